@@ -17,14 +17,14 @@ enum SurfaceAttribute : uint32_t {
 };
 
 struct SurfacePoint {
-    V3f position;     // render space
-    V3f ng;           // unit geometric normal on the front side
-    V3f ns;           // unit shading normal, on the side of ng
-    float offset = 0; // how far rays start off the surface, see offset_origin
+    V3f position = {0, 0, 0}; // render space
+    V3f ng = {0, 0, 1};       // unit geometric normal on the front side
+    V3f ns = {0, 0, 1};       // unit shading normal, on the side of ng
+    float offset = 0;         // how far rays start off the surface, see offset_origin
     uint32_t surface = 0;
     uint32_t primitive = 0;
     int material = 0;
-    V2f uv[2];
+    V2f uv[2] = {{0, 0}, {0, 0}};
     V4f color = {1, 1, 1, 1};
     V4f tangent = {0, 0, 0, 1}; // xyz zero where there is none
 };

@@ -29,7 +29,7 @@ PixelCamera::PixelCamera(const Camera& camera, const M44d& world_from_camera,
     m_half_width = m_half_height * aspect;
 }
 
-CameraRay PixelCamera::ray(double x, double y) const {
+Ray PixelCamera::ray(double x, double y) const {
     const double sx = (2 * x / m_width - 1) * m_half_width;
     const double sy = (1 - 2 * y / m_height) * m_half_height;
     V3d origin = m_eye;
@@ -39,13 +39,11 @@ CameraRay PixelCamera::ray(double x, double y) const {
     else
         direction = (m_forward + m_right * sx + m_up * sy).normalized();
     V3d start = m_space.from_world(origin);
-    double shift = 0;
     if (start.length2() > kFar * kFar) {
         const double to_closest = -start.dot(direction);
-        shift = std::max(0.0, to_closest - kSceneRadius - kClearance);
-        start += direction * shift;
+        start += direction * std::max(0.0, to_closest - kSceneRadius - kClearance);
     }
-    return {{V3f(start), 0, V3f(direction), kInfinity}, shift};
+    return {V3f(start), 0, V3f(direction), kInfinity};
 }
 
 double PixelCamera::depth(const V3d& world_point) const {

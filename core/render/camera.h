@@ -9,20 +9,15 @@
 
 namespace ql {
 
-struct CameraRay {
-    Ray ray;         // in render space, unit direction
-    double t_offset; // render length between the camera and ray.origin, see below
-};
-
 class PixelCamera {
   public:
     // world_from_camera may carry scale, which is ignored.
     PixelCamera(const Camera& camera, const M44d& world_from_camera, const RenderSpace& space,
                 int width, int height);
 
-    // Rays of cameras far outside of the scene start at its bounding sphere, so that float
-    // precision is spent on the scene and not on the way to it.
-    CameraRay ray(double x, double y) const;
+    // In render space, of unit direction. Rays of cameras far outside of the scene start at its
+    // bounding sphere, so that float precision is spent on the scene and not on the way to it.
+    Ray ray(double x, double y) const;
 
     struct Projection {
         double x, y;  // pixel coordinates

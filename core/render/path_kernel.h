@@ -48,7 +48,6 @@ struct FirstHit {
     V3f normal;   // shading normal towards the viewer
     V3f albedo;
     uint32_t surface = 0;
-    double t = 0; // render length from the camera
 };
 
 struct PathSample {
@@ -108,7 +107,7 @@ class PathKernel {
     PathKernel(const PathContext& context, Observer& observer)
         : m_context(context), m_world(context.scene.world()), m_observer(observer) {}
 
-    PathSample trace(const CameraRay& camera_ray, const PixelRandom& random, uint32_t alpha_key,
+    PathSample trace(const Ray& camera_ray, const PixelRandom& random, uint32_t alpha_key,
                      FirstHit* first_hit) const;
 
   private:
@@ -212,14 +211,13 @@ V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex,
 }
 
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
-PathSample PathKernel<Lobes, Attributes, Observer>::trace(const CameraRay& camera_ray,
-                                                          const PixelRandom& random,
-                                                          uint32_t alpha_key,
-                                                          FirstHit* first_hit) const {
+PathSample
+PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray, const PixelRandom& random,
+                                               uint32_t alpha_key, FirstHit* first_hit) const {
     const PathConfig& config = m_context.config;
     PathSample sample;
     V3f throughput(1, 1, 1);
-    Ray ray = camera_ray.ray;
+    Ray ray = camera_ray;
     float bsdf_pdf = 0; // of the ray's direction; 0: the camera or a specular lobe chose it
 
     for (int depth = 0;; ++depth) {
@@ -242,9 +240,8 @@ PathSample PathKernel<Lobes, Attributes, Observer>::trace(const CameraRay& camer
         }
         const Vertex vertex = vertex_at(point, material, -ray.direction);
         if (depth == 0 && first_hit)
-            *first_hit = {true,           point.position,
-                          vertex.frame.n, albedo_of(vertex.bsdf),
-                          point.surface,  camera_ray.t_offset + double(hit.t)};
+            *first_hit = {true, point.position, vertex.frame.n, albedo_of(vertex.bsdf),
+                          point.surface};
         if (depth == config.max_depth) break;
 
         // Add light that comes straight from the lights.

@@ -6,17 +6,13 @@
 
 namespace ql {
 
-bool MaterialAlphaTest::is_solid(const World& world, uint32_t surface_index, uint32_t primitive,
-                                 float u, float v, float random) const {
-    const Surface& surface = world.surfaces[surface_index];
+bool MaterialAlphaTest::is_solid(const World& world, uint32_t surface, uint32_t primitive, float u,
+                                 float v, float random) const {
     const Scene& scene = *world.scene;
-    const Material& material = scene.materials[size_t(surface.material)];
-    const Mesh& mesh = scene.meshes[size_t(surface.mesh)];
-    const Hit hit{0, u, v, surface_index, primitive, V3f(0, 0, 1)};
-    SurfacePoint point;
-    detail::add_texture_coordinates(surface, mesh, mesh.triangles[primitive], hit, point);
+    const int material = world.surfaces[surface].material;
     // Masks have an alpha of 0 or 1 here.
-    return random < alpha_at<true>(scene.textures, material, surface_input(point, point.ng));
+    return random < alpha_at<true>(scene.textures, scene.materials[size_t(material)],
+                                   surface_input_at(world, surface, primitive, u, v));
 }
 
 bool has_alpha(const Scene& scene) {

@@ -164,11 +164,9 @@ V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) co
     const Surface& surface = m_world->surfaces[triangle.surface];
     const Material& material = scene.materials[size_t(surface.material)];
     if (!triangle.textured) return material.emission * m_stored_from_real;
-    SurfacePoint point;
-    const Mesh& mesh = scene.meshes[size_t(surface.mesh)];
-    const Hit hit{0, b1, b2, triangle.surface, triangle.primitive, triangle.normal};
-    detail::add_texture_coordinates(surface, mesh, mesh.triangles[triangle.primitive], hit, point);
-    return emission_at<true>(scene.textures, material, surface_input(point, point.ng)) *
+    return emission_at<true>(
+               scene.textures, material,
+               surface_input_at(*m_world, triangle.surface, triangle.primitive, b1, b2)) *
            m_stored_from_real;
 }
 

@@ -14,11 +14,11 @@
 namespace ql {
 
 struct LightSample {
-    V3f target;            // point in render space that must be visible; unused if distant
-    V3f direction;         // unit vector from the shaded point to the light
-    bool distant;          // the light is outside of the scene: nothing may lie along direction
-    V3f weight;            // radiance / pdf, or intensity / (distance^2 probability)
-    float pdf_solid_angle; // 0 for point, spot and directional lights
+    V3f target = {0, 0, 0}; // point in render space that must be visible; unused if distant
+    V3f direction;          // unit vector from the shaded point to the light
+    bool distant;           // the light is outside of the scene: nothing may lie along direction
+    V3f weight;             // radiance / pdf, or intensity / (distance^2 probability)
+    float pdf_solid_angle;  // 0 for point, spot and directional lights
 };
 
 class LightSet {
