@@ -93,13 +93,13 @@ inline float uniform_disk_pdf_area(const V2f& p) {
 // A direction whose z is 1 - h, from a point of the disk: equal areas go to equal areas.
 inline V3f cap_from_disk(const V2f& disk, float height_scale) {
     const float h = disk.length2() * height_scale; // 1 - cos(theta)
-    const float scale = std::sqrt(height_scale * (2 - h));
+    const float scale = std::sqrt(height_scale * std::max(0.0f, 2 - h));
     return {disk.x * scale, disk.y * scale, 1 - h};
 }
 inline V2f disk_from_cap(const V3f& v, float height_scale) {
     // 1 - z without cancellation on the upper side.
     const float h = v.z > 0 ? (v.x * v.x + v.y * v.y) / (1 + v.z) : 1 - v.z;
-    const float scale = std::sqrt(height_scale * (2 - h));
+    const float scale = std::sqrt(height_scale * std::max(0.0f, 2 - h));
     return scale > 0 ? V2f{v.x / scale, v.y / scale} : V2f{1, 0};
 }
 
