@@ -36,8 +36,9 @@ Bsdf lambert() {
     return b;
 }
 
-template<uint32_t Lobes>
-void sample(benchmark::State& state, Bsdf bsdf) {
+template<uint32_t Lobes, Bsdf (*Make)()>
+void sample(benchmark::State& state) {
+    const Bsdf bsdf = Make();
     const Inputs in;
     size_t i = 0;
     for (auto _ : state) {
@@ -47,8 +48,9 @@ void sample(benchmark::State& state, Bsdf bsdf) {
     }
 }
 
-template<uint32_t Lobes>
-void value_and_pdf(benchmark::State& state, Bsdf bsdf) {
+template<uint32_t Lobes, Bsdf (*Make)()>
+void value_and_pdf(benchmark::State& state) {
+    const Bsdf bsdf = Make();
     const Inputs in;
     size_t i = 0;
     for (auto _ : state) {
@@ -59,15 +61,15 @@ void value_and_pdf(benchmark::State& state, Bsdf bsdf) {
 
 constexpr uint32_t kOpaque = kLobeDiffuse | kLobeMicrofacet;
 
-BENCHMARK_CAPTURE(sample<kLobeDiffuse>, lambert, lambert());
-BENCHMARK_CAPTURE(sample<kOpaque>, lambert, lambert());
-BENCHMARK_CAPTURE(sample<kOpaque>, coated, coated());
-BENCHMARK_CAPTURE(sample<kAllLobes>, lambert, lambert());
-BENCHMARK_CAPTURE(sample<kAllLobes>, coated, coated());
-BENCHMARK_CAPTURE(value_and_pdf<kLobeDiffuse>, lambert, lambert());
-BENCHMARK_CAPTURE(value_and_pdf<kOpaque>, coated, coated());
-BENCHMARK_CAPTURE(value_and_pdf<kAllLobes>, lambert, lambert());
-BENCHMARK_CAPTURE(value_and_pdf<kAllLobes>, coated, coated());
+BENCHMARK_TEMPLATE(sample, kLobeDiffuse, lambert);
+BENCHMARK_TEMPLATE(sample, kOpaque, lambert);
+BENCHMARK_TEMPLATE(sample, kOpaque, coated);
+BENCHMARK_TEMPLATE(sample, kAllLobes, lambert);
+BENCHMARK_TEMPLATE(sample, kAllLobes, coated);
+BENCHMARK_TEMPLATE(value_and_pdf, kLobeDiffuse, lambert);
+BENCHMARK_TEMPLATE(value_and_pdf, kOpaque, coated);
+BENCHMARK_TEMPLATE(value_and_pdf, kAllLobes, lambert);
+BENCHMARK_TEMPLATE(value_and_pdf, kAllLobes, coated);
 
 void philox_block(benchmark::State& state) {
     uint32_t i = 0;
@@ -115,8 +117,8 @@ void material(benchmark::State& state) {
         i = (i + 1) % kInputs;
     }
 }
-BENCHMARK(material<false>);
-BENCHMARK(material<true>);
+BENCHMARK_TEMPLATE(material, false);
+BENCHMARK_TEMPLATE(material, true);
 
 } // namespace
 } // namespace ql

@@ -29,9 +29,11 @@ double ggx_albedo(double cos_o, double alpha) {
     const double sin_o = std::sqrt(1 - cos_o * cos_o);
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {
-        // D(h) cos(h) in equal shares: tan^2 = alpha^2 u / (1 - u).
-        const double u = (i + 0.5) / kSteps;
-        const double cos_h = 1 / std::sqrt(1 + alpha * alpha * u / (1 - u));
+        // D(h) cos(h) in equal shares would be tan^2 = alpha^2 u / (1 - u); 1 - u = s^4 refines the
+        // tail, which counts at grazing angles, and weighs it with du / ds.
+        const double s = (i + 0.5) / kSteps;
+        const double rest = s * s * s * s;
+        const double cos_h = 1 / std::sqrt(1 + alpha * alpha * (1 - rest) / rest);
         const double sin_h = std::sqrt(1 - cos_h * cos_h);
         for (int j = 0; j < kSteps; ++j) {
             const double phi = std::numbers::pi * (j + 0.5) / kSteps;
@@ -39,7 +41,7 @@ double ggx_albedo(double cos_o, double alpha) {
             const double cos_i = 2 * cos_oh * cos_h - cos_o;
             if (cos_oh <= 0 || cos_i <= 0) continue;
             const double g2 = 1 / (1 + smith_lambda(cos_o, alpha) + smith_lambda(cos_i, alpha));
-            sum += g2 * cos_oh / (cos_o * cos_h);
+            sum += 4 * s * s * s * g2 * cos_oh / (cos_o * cos_h);
         }
     }
     return sum / (double{kSteps} * kSteps);

@@ -7,7 +7,7 @@ namespace ql::reference {
 double fresnel(double cos_i, double eta);
 
 // Directional albedo of a GGX reflector with F = 1 and height-correlated Smith masking: integral
-// over the normals, drawn in equal shares of D(h) cos(h).
+// over the normals.
 double ggx_albedo(double cos_o, double alpha);
 
 // Directional albedo of the lobe (n + 2)/(2 pi) cos^n about the mirror direction.

@@ -80,7 +80,9 @@ TEST(WhiteFurnace, NeverGainsInRoughGlass) {
                 for (const double angle : kAngles) {
                     const double albedo = furnace(glass(alpha, eta, wall), direction(angle), 5000);
                     EXPECT_LE(albedo, 1.003) << eta << ' ' << alpha << " at " << angle;
-                    EXPECT_GE(albedo, 0.3) << eta << ' ' << alpha << " at " << angle;
+                    // Towards grazing, masking takes most of what an index near 1 should let pass.
+                    const double least = angle <= 60 ? 0.5 : 0.0;
+                    EXPECT_GT(albedo, least) << eta << ' ' << alpha << " at " << angle;
                 }
 }
 

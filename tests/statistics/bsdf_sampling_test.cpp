@@ -59,12 +59,18 @@ SideResult test_side(const Bsdf& bsdf, const V3f& wo, bool transmitted) {
     return result;
 }
 
+// A microfacet lobe at grazing angles is a streak alpha cos(theta) wide: too thin for the cells.
+bool is_resolved(const Bsdf& b, const V3f& wo) {
+    return !(b.lobes & (kLobeMicrofacet | kLobeTransmission)) || b.alpha * wo.z > 1e-5f;
+}
+
 TEST(BsdfSampling, FollowsItsDensity) {
     const std::vector<BsdfCase> cases = rough_cases();
     const double level = sidak_level(kFamilyLevel, cases.size() * kAngles.size() * 2);
     for (const BsdfCase& c : cases)
         for (const double angle : kAngles)
             for (const bool transmitted : {false, true}) {
+                if (!is_resolved(c.bsdf, direction(angle))) continue;
                 const SideResult r = test_side(c.bsdf, direction(angle), transmitted);
                 EXPECT_GT(r.p_value, level)
                     << c.name << " at " << angle << (transmitted ? " t" : "");
@@ -85,8 +91,8 @@ TEST(BsdfSampling, HasADensityThatIntegratesToOne) {
                     1, 1e-3);
     }
     for (const BsdfCase& c :
-         {BsdfCase{"metal", metal(0.05f)}, BsdfCase{"phong", phong(0.3f, 0.6f, 400)}}) {
-        DirectionHistogram cells({0, 0, 1}, 0.01);
+         {BsdfCase{"metal", metal(0.01f)}, BsdfCase{"phong", phong(0.3f, 0.6f, 400)}}) {
+        DirectionHistogram cells({0, 0, 1}, 0.003);
         EXPECT_NEAR(cells.integrate([&](const V3f& wi) {
             return double{pdf_bsdf<kAllLobes>(c.bsdf, {0, 0, 1}, wi)};
         }),
@@ -130,8 +136,8 @@ TEST(BsdfSampling, HasADensityWhereverThereIsAValue) {
                 const BsdfValue v = value_and_pdf_bsdf<kAllLobes>(c.bsdf, direction(angle), wi);
                 for (const float x : {v.value.x, v.value.y, v.value.z, v.pdf_solid_angle})
                     ASSERT_TRUE(std::isfinite(x) && x >= 0) << c.name << ' ' << angle;
-                if (v.value.length() > 0)
-                    ASSERT_GT(v.pdf_solid_angle, 0) << c.name << ' ' << angle << ' ' << wi;
+                ASSERT_EQ(v.value.length() > 0 && v.pdf_solid_angle == 0, false)
+                    << c.name << ' ' << angle << ' ' << wi;
             }
 }
 
