@@ -317,14 +317,26 @@ inline V3f specular_transmission_direction(const Bsdf& bsdf, const V3f& wo) {
     return refracted(wo, {0, 0, 1}, eta);
 }
 
+// Lambert surfaces alone, the most common of all.
+inline BsdfValue lambert_value(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+    const float pdf = wo.z > 0 ? std::max(0.0f, wi.z) * kInvPi : 0;
+    return {bsdf.diffuse * pdf, pdf};
+}
+
+inline std::optional<BsdfSample> lambert_sample(const Bsdf& bsdf, const V3f& wo, const V2f& u) {
+    const V3f wi = square_to_cosine_hemisphere(u);
+    if (!(wi.z > 0 && wo.z > 0)) return std::nullopt;
+    return BsdfSample{wi, bsdf.diffuse, wi.z * kInvPi, false, false};
+}
+
 } // namespace detail
 
 template<uint32_t Lobes, TransportMode Mode>
 BsdfValue value_and_pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
     if constexpr (Lobes == kLobeDiffuse) {
-        const float pdf = wo.z > 0 ? std::max(0.0f, wi.z) * kInvPi : 0;
-        return {bsdf.diffuse * pdf, pdf};
+        return detail::lambert_value(bsdf, wo, wi);
     } else {
+        if (bsdf.lobes == kLobeDiffuse) return detail::lambert_value(bsdf, wo, wi);
         if (!(wo.z > detail::kMinCosine)) return {};
         const detail::LobeWeights weights = detail::lobe_weights<Lobes>(bsdf, wo.z);
         const float sum = weights.sum();
@@ -346,10 +358,9 @@ float pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
 template<uint32_t Lobes, TransportMode Mode>
 std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const V3f& wo, float u_lobe, V2f u) {
     if constexpr (Lobes == kLobeDiffuse) {
-        const V3f wi = square_to_cosine_hemisphere(u);
-        if (!(wi.z > 0)) return std::nullopt;
-        return BsdfSample{wi, bsdf.diffuse, wi.z * kInvPi, false, false};
+        return detail::lambert_sample(bsdf, wo, u);
     } else {
+        if (bsdf.lobes == kLobeDiffuse) return detail::lambert_sample(bsdf, wo, u);
         if (!(wo.z > detail::kMinCosine)) return std::nullopt;
         const detail::LobeWeights weights = detail::lobe_weights<Lobes>(bsdf, wo.z);
         const float sum = weights.sum();

@@ -71,6 +71,7 @@ TEST(Bsdf, SplitsReflectionAndRefractionByFresnel) {
     b.lobes = kLobeSpecular;
     b.mirror = V3f(0.2f);
     b.refraction = V3f(0.6f);
+    b.thin_walled = false;
     b.eta = 1.5f;
     int reflected = 0;
     for (int i = 0; i < 1000; ++i) {
