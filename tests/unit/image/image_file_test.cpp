@@ -65,6 +65,21 @@ std::string error_of(const std::string& path, const ImageReadConfig& config = {}
     return "";
 }
 
+TEST(Image, ReferencesToPlanesStayValidWhenOthersAreAdded) {
+    Image image(2, 1);
+    Array2D<float>& first = image.plane("0");
+    Array2D<uint32_t>& word = image.uint_plane("0");
+    for (int i = 1; i < 100; ++i) {
+        image.plane(std::to_string(i));
+        image.uint_plane(std::to_string(i));
+    }
+    first[1] = 7;
+    word[1] = 8;
+    EXPECT_EQ((*image.find("0"))[1], 7);
+    EXPECT_EQ((*image.find_uint("0"))[1], 8u);
+    EXPECT_EQ(&image.plane("0"), &first);
+}
+
 TEST(ExrFile, KeepsFloatsAndWordsBitForBit) {
     const ScratchFolder folder;
     for (const auto& [width, height] : {std::pair(1, 1), {7, 1}, {1, 9}, {33, 70}}) {
