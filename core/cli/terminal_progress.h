@@ -12,6 +12,8 @@ namespace ql::cli {
 
 class TerminalProgress : public Progress {
   public:
+    // What follows, an error message perhaps, begins on a clean line.
+    ~TerminalProgress() override { finish(); }
     void start(std::string_view what, uint64_t total) override;
     void advance(uint64_t steps = 1) override;
     void finish() override;

@@ -5,12 +5,18 @@
 #include "image/atomic_file.h"
 #include "version.h"
 
+#include <fcntl.h>
 #include <tbb/global_control.h>
 #include <tbb/version.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <new>
 #include <regex>
@@ -58,6 +64,14 @@ std::string one_line(std::string text) {
     return text;
 }
 
+// A standard stream that the caller closed must not become the descriptor of the next file that is
+// opened. What is put there fails when it is used, as a closed one would.
+void occupy_standard_streams() {
+    for (int descriptor = 0; descriptor <= 2; ++descriptor)
+        if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
+            (void)!open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);
+}
+
 // A number where the text is one, the text itself elsewhere.
 Json json_value(const std::string& text) {
     const Json parsed = Json::parse(text, nullptr, false);
@@ -85,7 +99,7 @@ std::vector<double> parse_numbers(const std::string& text, size_t count, const s
     while (numbers.size() < count) {
         double number = 0;
         const auto [next, error] = std::from_chars(at, end, number);
-        if (error != std::errc()) break;
+        if (error != std::errc() || !std::isfinite(number)) break;
         numbers.push_back(number);
         at = next;
         if (at == end || *at != ',') break;
@@ -127,10 +141,10 @@ ImageWriteConfig Session::image_config() const {
 
 void Session::write_image(const std::string& path, const Image& image,
                           const ImageWriteConfig& config) {
-    write_image_parts(path, {image}, config);
+    write_image_parts(path, std::span(&image, 1), config);
 }
 
-void Session::write_image_parts(const std::string& path, const std::vector<Image>& parts,
+void Session::write_image_parts(const std::string& path, std::span<const Image> parts,
                                 const ImageWriteConfig& config) {
     const PhaseTimer timer = phase("write");
     ql::write_image_parts(path, parts, config);
@@ -143,10 +157,22 @@ void Session::write_text(const std::string& path, const std::string& text) {
     m_stats.output.push_back(path);
 }
 
+void Session::print(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+        throw output_error("standard output cannot be written ({})", std::strerror(errno));
+}
+
 Image Session::read_image(const std::string& path, const ImageReadConfig& config) {
     const PhaseTimer timer = phase("load");
     m_stats.input.push_back(path);
     return ql::read_image(path, config);
+}
+
+std::vector<Image> Session::read_image_parts(const std::string& path,
+                                             const ImageReadConfig& config) {
+    const PhaseTimer timer = phase("load");
+    m_stats.input.push_back(path);
+    return ql::read_image_parts(path, config);
 }
 
 Tool::Tool(ToolInfo info) : app(info.description, info.name), m_info(std::move(info)) {
@@ -222,14 +248,16 @@ int Tool::report(const std::string& message, int status) const {
     return status;
 }
 
-// Every option with the value in force, except those that say where and how to report.
+// Every option under its long name in snake_case with the value in force, except those that say
+// where and how to report.
 Json Tool::used_options() const {
     static const std::set<std::string> left_out = {"help",  "version",  "config", "stats",
                                                    "quiet", "progress", "verbose"};
     Json config = Json::object();
     for (const CLI::Option* option : app.get_options()) {
-        const std::string name = option->get_single_name();
+        std::string name = option->get_single_name();
         if (left_out.contains(name)) continue;
+        std::replace(name.begin(), name.end(), '-', '_');
         const auto results = option->reduced_results();
         if (option->count() == 0) {
             const std::string value = option->get_default_str();
@@ -293,6 +321,7 @@ int Tool::run(const std::function<void(Session&)>& body) {
 }
 
 int Tool::main(int argc, char** argv, const std::function<void(Session&)>& body) {
+    occupy_standard_streams();
     install_signal_handlers();
     int status = 0;
     try {

@@ -57,11 +57,15 @@ class Session {
     ImageWriteConfig image_config() const;
     // Writes and lists the file under `output`, timed as the phase "write".
     void write_image(const std::string& path, const Image& image, const ImageWriteConfig& config);
-    void write_image_parts(const std::string& path, const std::vector<Image>& parts,
+    void write_image_parts(const std::string& path, std::span<const Image> parts,
                            const ImageWriteConfig& config);
     void write_text(const std::string& path, const std::string& text);
+    // Text on standard output, terminal or not.
+    void print(const std::string& text);
     // Reads and lists the file under `input`, timed as the phase "load".
     Image read_image(const std::string& path, const ImageReadConfig& config = {});
+    std::vector<Image> read_image_parts(const std::string& path,
+                                        const ImageReadConfig& config = {});
 
   private:
     void say(const std::string& kind, const std::string& message);
@@ -108,7 +112,7 @@ class Tool {
 // Accepts "WxH" with both sides in [1, 2^20].
 Size parse_size(const std::string& text);
 
-// Numbers separated by commas, exactly `count` of them. Errors: ErrorKind::usage.
+// Finite numbers separated by commas, exactly `count` of them. Errors: ErrorKind::usage.
 std::vector<double> parse_numbers(const std::string& text, size_t count, const std::string& what);
 
 } // namespace ql::cli

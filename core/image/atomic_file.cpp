@@ -115,6 +115,10 @@ void write_all(int descriptor, std::span<const std::byte> bytes, const std::stri
     }
 }
 
+Error too_large(const std::string& name, size_t max_bytes) {
+    return input_error("{}: larger than {} bytes, the most that is read", name, max_bytes);
+}
+
 // A device or pipe takes the bytes as they come; renaming over it would replace it by a file.
 bool is_special_file(const std::string& path) {
     struct stat status = {};
@@ -138,7 +142,10 @@ std::vector<std::byte> read_file(const std::string& path, size_t max_bytes) {
     std::vector<std::byte> bytes;
     if (fstat(descriptor, &status) == 0) {
         if (S_ISDIR(status.st_mode)) throw input_error("{}: is a folder, expected a file", name);
-        if (S_ISREG(status.st_mode)) bytes.reserve(std::min(size_t(status.st_size), max_bytes) + 1);
+        if (S_ISREG(status.st_mode)) {
+            if (size_t(status.st_size) > max_bytes) throw too_large(name, max_bytes);
+            bytes.reserve(size_t(status.st_size) + 1);
+        }
     }
     constexpr size_t kStep = size_t(1) << 20;
     for (size_t size = 0;;) {
@@ -147,8 +154,7 @@ std::vector<std::byte> read_file(const std::string& path, size_t max_bytes) {
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) throw input_error("{}: {}", name, std::strerror(errno));
         size += size_t(n);
-        if (size > max_bytes)
-            throw input_error("{}: larger than {} bytes, the most that is read", name, max_bytes);
+        if (size > max_bytes) throw too_large(name, max_bytes);
         if (n == 0) {
             bytes.resize(size);
             return bytes;

@@ -65,13 +65,15 @@ const char* library_name(FileFormat format) {
     return format == FileFormat::exr ? "openexr" : "png";
 }
 
-void check_size(const OIIO::ImageSpec& spec, const std::string& path,
+// bytes: what the parts before this one take, to which this one is added.
+void check_size(const OIIO::ImageSpec& spec, const std::string& path, size_t& bytes,
                 const ImageReadConfig& config) {
-    const size_t pixels = size_t(std::max(spec.width, 0)) * size_t(std::max(spec.height, 0));
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1)
         throw input_error("{}: {} x {} x {} pixels, expected a flat image", shown_name(path),
                           spec.width, spec.height, spec.depth);
-    if (pixels > config.max_pixels || pixels * size_t(spec.nchannels) * 4 > config.max_bytes)
+    const size_t pixels = size_t(spec.width) * size_t(spec.height);
+    bytes += pixels * size_t(spec.nchannels) * 4;
+    if (pixels > config.max_pixels || bytes > config.max_bytes)
         throw input_error("{}: {} x {} pixels of {} channels, more than the limit of {} pixels or "
                           "{} bytes",
                           shown_name(path), spec.width, spec.height, spec.nchannels,
@@ -99,12 +101,25 @@ void read_metadata(const OIIO::ImageSpec& spec, Image& image) {
     }
 }
 
-void reject_non_finite(const Plane<float>& plane, const std::string& path) {
-    for (int y = 0; y < plane.pixels.height(); ++y)
-        for (int x = 0; x < plane.pixels.width(); ++x)
-            if (!std::isfinite(plane.pixels(x, y)))
-                throw input_error("{}: channel {} is {} at pixel {},{}, expected a finite value",
-                                  shown_name(path), plane.name, plane.pixels(x, y), x, y);
+size_t image_pixels(const OIIO::ImageSpec& spec) {
+    return size_t(spec.width) * size_t(spec.height);
+}
+
+bool is_word(const OIIO::ImageSpec& spec, int channel) {
+    return spec.channelformat(channel).basetype == OIIO::TypeDesc::UINT32;
+}
+
+// Takes every `stride`-th word from `offset` on as the plane of a channel.
+void store_channel(const std::vector<uint32_t>& words, size_t offset, size_t stride,
+                   const OIIO::ImageSpec& spec, int channel, Image& image) {
+    const auto take = [&](auto& values) {
+        for (size_t i = 0; i < values.size(); ++i)
+            std::memcpy(&values[i], &words[i * stride + offset], sizeof(uint32_t));
+    };
+    if (is_word(spec, channel))
+        take(image.uint_plane(spec.channel_name(channel)).values());
+    else
+        take(image.plane(spec.channel_name(channel)).values());
 }
 
 Image read_part(OIIO::ImageInput& input, int part, const std::string& path,
@@ -114,26 +129,33 @@ Image read_part(OIIO::ImageInput& input, int part, const std::string& path,
     image.name = spec.get_string_attribute("oiio:subimagename");
     image.source_bits = int(spec.format.size()) * 8;
     read_metadata(spec, image);
-    for (int c = 0; c < spec.nchannels; ++c) {
-        const std::string name = spec.channel_name(c);
-        const bool is_word = spec.channelformat(c).basetype == OIIO::TypeDesc::UINT32;
-        void* pixels = is_word ? static_cast<void*>(image.uint_plane(name).values().data())
-                               : static_cast<void*>(image.plane(name).values().data());
-        const OIIO::TypeDesc type = is_word ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT;
-        if (!input.read_image(part, 0, c, c + 1, type, pixels))
+    // Each call decodes the file anew, so take neighbouring channels of one kind together
+    for (int first = 0; first < spec.nchannels;) {
+        int end = first + 1;
+        while (end < spec.nchannels && is_word(spec, end) == is_word(spec, first))
+            ++end;
+        std::vector<uint32_t> words(image_pixels(spec) * size_t(end - first));
+        const OIIO::TypeDesc type =
+            is_word(spec, first) ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT;
+        if (!input.read_image(part, 0, first, end, type, words.data()))
             throw input_error("{}: {}", shown_name(path), first_line(input.geterror()));
+        for (int c = first; c < end; ++c)
+            store_channel(words, size_t(c - first), size_t(end - first), spec, c, image);
+        first = end;
     }
     if (image.channel_count() != size_t(spec.nchannels))
         throw input_error("{}: two channels of the same name", shown_name(path));
-    if (config.non_finite == NonFinite::reject)
-        for (const Plane<float>& plane : image.planes)
-            reject_non_finite(plane, path);
+    if (config.non_finite == NonFinite::reject) require_finite(image, path);
     return image;
 }
 
+// Words beside halves would need rows of mixed sample sizes; such files keep full floats.
+bool is_half(const Image& image, const ImageWriteConfig& config) {
+    return config.depth == FloatDepth::half && image.uint_planes.empty();
+}
+
 OIIO::ImageSpec write_spec(const Image& image, FileFormat format, const ImageWriteConfig& config) {
-    // Words beside halves would need rows of mixed sample sizes; such files keep full floats.
-    const bool half = config.depth == FloatDepth::half && image.uint_planes.empty();
+    const bool half = is_half(image, config);
     OIIO::ImageSpec spec(image.width, image.height, int(image.channel_count()),
                          half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
     spec.channelnames.clear();
@@ -196,6 +218,7 @@ bool write_exr_pixels(OIIO::ImageOutput& output, const Image& image) {
 }
 
 float png_sample(float value, const ImageWriteConfig& config) {
+    if (std::isnan(value)) return 0;
     if (config.png != PngEncoding::srgb8) return value;
     const float exposed = std::max(0.0f, value * std::exp2(config.exposure_stops));
     return OIIO::linear_to_sRGB(std::min(exposed, 1.0f));
@@ -249,11 +272,28 @@ OIIO::ImageSpec png_spec(const Image& image, const std::vector<const Plane<float
     return spec;
 }
 
-void check_parts(const std::vector<Image>& parts, FileFormat format, const std::string& path) {
+void check_half_range(const Plane<float>& plane, const std::string& path) {
+    // From here on rounding to half gives infinity
+    constexpr float kHalfOverflow = 65520.0f;
+    for (const float value : plane.pixels.values())
+        if (std::isfinite(value) && std::abs(value) >= kHalfOverflow)
+            throw output_error("{}: channel {} has the value {}, half floats end at 65504", path,
+                               plane.name, value);
+}
+
+void check_parts(std::span<const Image> parts, FileFormat format, const ImageWriteConfig& config,
+                 const std::string& path) {
     QL_CHECK(!parts.empty());
-    for (const Image& part : parts)
+    for (const Image& part : parts) {
+        QL_CHECK(part.channel_count() > 0);
         for (const auto& plane : part.planes)
             QL_CHECK_EQ(plane.pixels.size(), size_t(part.width) * size_t(part.height));
+        for (const auto& plane : part.uint_planes)
+            QL_CHECK_EQ(plane.pixels.size(), size_t(part.width) * size_t(part.height));
+        if (format == FileFormat::exr && is_half(part, config))
+            for (const auto& plane : part.planes)
+                check_half_range(plane, path);
+    }
     if (parts.size() > 1 && format == FileFormat::png)
         throw usage_error("{}: PNG holds one part, {} are to be written; write EXR", path,
                           parts.size());
@@ -274,8 +314,18 @@ FileFormat file_format(const std::string& path, FileFormat requested) {
     throw usage_error("{}: unknown image format, expected .exr or .png", path);
 }
 
+void require_finite(const Image& image, const std::string& path) {
+    for (const Plane<float>& plane : image.planes)
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x)
+                if (!std::isfinite(plane.pixels(x, y)))
+                    throw input_error(
+                        "{}: channel {} is {} at pixel {},{}, expected a finite value",
+                        shown_name(path), plane.name, plane.pixels(x, y), x, y);
+}
+
 std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
-    const std::vector<std::byte> bytes = read_file(path);
+    const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
     const FileFormat format = format_of(bytes, path);
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
     auto input = OIIO::ImageInput::create(library_name(format));
@@ -288,8 +338,9 @@ std::vector<Image> read_image_parts(const std::string& path, const ImageReadConf
         throw input_error("{}: {}", shown_name(path),
                           first_line(input ? input->geterror() : OIIO::geterror()));
     std::vector<Image> parts;
+    size_t total_bytes = 0;
     for (int part = 0; input->seek_subimage(part, 0); ++part) {
-        check_size(input->spec(part, 0), path, config);
+        check_size(input->spec(part, 0), path, total_bytes, config);
         parts.push_back(read_part(*input, part, path, config));
     }
     (void)input->geterror(); // seeking past the last part leaves a message behind
@@ -304,10 +355,10 @@ Image read_image(const std::string& path, const ImageReadConfig& config) {
     return std::move(parts.front());
 }
 
-void write_image_parts(const std::string& path, const std::vector<Image>& parts,
+void write_image_parts(const std::string& path, std::span<const Image> parts,
                        const ImageWriteConfig& config) {
     const FileFormat format = file_format(path, config.format);
-    check_parts(parts, format, path);
+    check_parts(parts, format, config, path);
     std::vector<unsigned char> bytes;
     {
         OIIO::Filesystem::IOVecOutput memory(bytes);
@@ -334,7 +385,7 @@ void write_image_parts(const std::string& path, const std::vector<Image>& parts,
 }
 
 void write_image(const std::string& path, const Image& image, const ImageWriteConfig& config) {
-    write_image_parts(path, {image}, config);
+    write_image_parts(path, std::span(&image, 1), config);
 }
 
 void set_image_threads(int threads) {

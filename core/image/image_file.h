@@ -7,12 +7,15 @@
 #include "image/image.h"
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace ql {
 
 enum class FileFormat { by_extension, exr, png };
+// Files with unsigned planes always hold full floats. Values beyond the range of half (65504) are
+// an error, not infinities.
 enum class FloatDepth { float32, half };
 // How linear values become PNG samples: pictures are sRGB-encoded 8 bit, data stays linear.
 enum class PngEncoding { srgb8, linear8, linear16 };
@@ -31,7 +34,7 @@ enum class NonFinite { reject, keep };
 struct ImageReadConfig {
     NonFinite non_finite = NonFinite::reject;
     size_t max_pixels = size_t(1) << 28; // per plane
-    size_t max_bytes = size_t(1) << 33;  // of all planes together
+    size_t max_bytes = size_t(1) << 33;  // of all planes of all parts together, and of the file
 };
 
 // One part, or an error if the file has more.
@@ -40,8 +43,11 @@ std::vector<Image> read_image_parts(const std::string& path, const ImageReadConf
 
 void write_image(const std::string& path, const Image& image, const ImageWriteConfig& config = {});
 // Several parts need EXR; every part needs a name of its own.
-void write_image_parts(const std::string& path, const std::vector<Image>& parts,
+void write_image_parts(const std::string& path, std::span<const Image> parts,
                        const ImageWriteConfig& config = {});
+
+// What NonFinite::reject does on reading: an error that names channel and pixel.
+void require_finite(const Image& image, const std::string& path);
 
 // The format that `path` asks for. Errors: ErrorKind::usage.
 FileFormat file_format(const std::string& path, FileFormat requested);

@@ -34,8 +34,10 @@ struct Bsdf {
     V3f metal_f0 = {0, 0, 0}; // base colour of the metallic part
     float metallic = 0;       // share of the metallic part
     float alpha = 1;          // GGX width; at or below kSmoothAlpha the lobe is a perfect mirror
-    float eta = 1.5f;         // index of refraction of the inside over that of the outside
-    bool entering = true;     // wo is on the outer side; of interest to solid transmission only
+    // Index of refraction of the inside over that of the outside. 0: everything is reflected
+    // (metallic-roughness), or kr and kt are as given and light passes straight (Phong).
+    float eta = 1.5f;
+    bool entering = true; // wo is on the outer side; of interest to solid refraction only
     bool thin_walled = true;
     V3f transmission = {0, 0, 0}; // tint times share of the transmitted light
     // Phong.
@@ -47,6 +49,13 @@ struct Bsdf {
 };
 
 inline constexpr float kSmoothAlpha = 1e-4f;
+// Above it the cosine power lobe is sampled in its limit: the mirror direction, weight cos(theta).
+inline constexpr float kMirrorExponent = 1e6f;
+
+// What is carried along the path. Refraction into a medium of n times the index changes radiance by
+// n^2, but not flux: paths from the camera carry radiance (a weight of 1/n^2), photons carry flux.
+// Veach 1997, section 5.2.
+enum class TransportMode { radiance, importance };
 
 struct BsdfSample {
     V3f wi;
@@ -58,11 +67,22 @@ struct BsdfSample {
 
 // u_lobe picks the lobe, u the direction; all in [0, 1). No sample: the path ends here.
 // Lobes names the only lobes that can occur, so that the others cost nothing.
-template<uint32_t Lobes>
+template<uint32_t Lobes, TransportMode Mode = TransportMode::radiance>
 std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const V3f& wo, float u_lobe, V2f u);
-template<uint32_t Lobes>
+
+// Both at once, for multiple importance sampling.
+struct BsdfValue {
+    V3f value = {0, 0, 0}; // f |cos|
+    float pdf_solid_angle = 0;
+};
+template<uint32_t Lobes, TransportMode Mode = TransportMode::radiance>
+BsdfValue value_and_pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
+template<uint32_t Lobes, TransportMode Mode = TransportMode::radiance>
 V3f eval_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 template<uint32_t Lobes>
 float pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 
 } // namespace ql
+
+#include "shading/bsdf_impl.h"

@@ -1,0 +1,122 @@
+#include "geometry/quadric.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ql {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Roots {
+    double near, far;
+};
+
+// Roots of a t^2 + 2 b t + c in rising order, without cancellation.
+std::optional<Roots> quadratic_roots(double a, double b, double c) {
+    const double discriminant = b * b - a * c;
+    if (!(discriminant >= 0) || a == 0) return std::nullopt;
+    const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+    const double t0 = q / a;
+    const double t1 = q != 0 ? c / q : t0;
+    return Roots{std::min(t0, t1), std::max(t0, t1)};
+}
+
+float turn(double x, double z) {
+    return float(std::atan2(z, x) / (2 * kPi) + 0.5);
+}
+
+std::optional<QuadricHit> intersect_sphere(const ImplicitShape& shape, const V3d& origin,
+                                           const V3d& direction, double t_near, double t_far) {
+    // Move the origin to the point of the line nearest to the centre: from far away the plain
+    // discriminant loses all its digits.
+    const double d2 = direction.dot(direction);
+    const double t_closest = -origin.dot(direction) / d2;
+    const V3d closest = origin + direction * t_closest;
+    const double r = double(shape.radius);
+    const double half_chord2 = (r * r - closest.dot(closest)) / d2;
+    if (!(half_chord2 >= 0)) return std::nullopt;
+    const double half_chord = std::sqrt(half_chord2);
+    for (const double t : {t_closest - half_chord, t_closest + half_chord}) {
+        if (!(t > t_near && t < t_far)) continue;
+        const V3d normal = (origin + direction * t).normalized();
+        const double latitude = std::acos(std::clamp(normal.y, -1.0, 1.0)) / kPi;
+        return QuadricHit{t, normal, {turn(normal.x, normal.z), float(latitude)}};
+    }
+    return std::nullopt;
+}
+
+struct ConeProfile {
+    double half_height, bottom, slope; // radius at y: bottom + slope (y + half_height)
+    double radius(double y) const { return bottom + slope * (y + half_height); }
+};
+
+ConeProfile profile_of(const ImplicitShape& shape) {
+    const double height = double(shape.height);
+    return {height / 2, double(shape.radius_bottom),
+            (double(shape.radius_top) - double(shape.radius_bottom)) / height};
+}
+
+// Side of the cone: x^2 + z^2 = radius(y)^2, |y| <= half_height.
+void intersect_side(const ConeProfile& cone, const V3d& o, const V3d& d, double t_near,
+                    double t_far, std::optional<QuadricHit>& nearest) {
+    const double k = cone.slope;
+    const double r0 = cone.radius(o.y);
+    const double a = d.x * d.x + d.z * d.z - k * k * d.y * d.y;
+    const double b = o.x * d.x + o.z * d.z - k * r0 * d.y;
+    const double c = o.x * o.x + o.z * o.z - r0 * r0;
+    // Along a line of the cone itself the quadratic degenerates to 2 b t + c = 0.
+    const double scale = d.dot(d);
+    std::optional<Roots> roots;
+    if (std::abs(a) > 1e-14 * scale)
+        roots = quadratic_roots(a, b, c);
+    else if (b != 0)
+        roots = Roots{-c / (2 * b), -c / (2 * b)};
+    if (!roots) return;
+    for (const double t : {roots->near, roots->far}) {
+        const V3d p = o + d * t;
+        if (!(t > t_near && t < t_far) || std::abs(p.y) > cone.half_height) continue;
+        if (cone.radius(p.y) < 0 || (nearest && nearest->t <= t)) continue;
+        const double ring = std::hypot(p.x, p.z);
+        const V3d outward = ring > 0 ? V3d(p.x / ring, -k, p.z / ring) : V3d(0, k > 0 ? -1 : 1, 0);
+        nearest = QuadricHit{
+            t, outward.normalized(), {turn(p.x, p.z), float(0.5 - p.y / (2 * cone.half_height))}};
+    }
+}
+
+void intersect_disc(double y, double radius, double normal_y, const V3d& o, const V3d& d,
+                    double t_near, double t_far, std::optional<QuadricHit>& nearest) {
+    if (d.y == 0 || radius <= 0) return;
+    const double t = (y - o.y) / d.y;
+    if (!(t > t_near && t < t_far) || (nearest && nearest->t <= t)) return;
+    const double x = o.x + d.x * t;
+    const double z = o.z + d.z * t;
+    const double ring = std::hypot(x, z);
+    if (ring > radius) return;
+    nearest = QuadricHit{t, V3d(0, normal_y, 0), {turn(x, z), float(ring / radius)}};
+}
+
+} // namespace
+
+std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d& origin,
+                                          const V3d& direction, double t_near, double t_far) {
+    if (shape.kind == ImplicitShape::Kind::sphere)
+        return intersect_sphere(shape, origin, direction, t_near, t_far);
+    const ConeProfile cone = profile_of(shape);
+    std::optional<QuadricHit> nearest;
+    intersect_side(cone, origin, direction, t_near, t_far, nearest);
+    intersect_disc(-cone.half_height, cone.bottom, -1, origin, direction, t_near, t_far, nearest);
+    intersect_disc(cone.half_height, double(shape.radius_top), 1, origin, direction, t_near, t_far,
+                   nearest);
+    return nearest;
+}
+
+V3d half_extent(const ImplicitShape& shape) {
+    if (shape.kind == ImplicitShape::Kind::sphere) return V3d(double(shape.radius));
+    const double r = double(std::max(shape.radius_bottom, shape.radius_top));
+    return {r, double(shape.height) / 2, r};
+}
+
+} // namespace ql

@@ -1,0 +1,87 @@
+#include "render/film.h"
+
+#include "base/error.h"
+
+#include <utility>
+
+namespace ql {
+
+namespace {
+
+constexpr std::pair<const char*, uint32_t> kNames[] = {
+    {"depth", kAovDepth},       {"normal", kAovNormal},     {"position", kAovPosition},
+    {"albedo", kAovAlbedo},     {"motion", kAovMotion},     {"direct", kAovDirect},
+    {"indirect", kAovIndirect}, {"variance", kAovVariance}, {"id", kAovId}};
+
+uint32_t aov_of(const std::string& name) {
+    for (const auto& [known, aov] : kNames)
+        if (name == known) return aov;
+    throw usage_error("--aov {}: expected depth, normal, position, albedo, motion, direct, "
+                      "indirect, variance, id or all",
+                      name);
+}
+
+} // namespace
+
+uint32_t parse_aovs(const std::string& names) {
+    uint32_t aovs = 0;
+    for (size_t at = 0; at < names.size();) {
+        const size_t comma = std::min(names.find(',', at), names.size());
+        const std::string name = names.substr(at, comma - at);
+        if (name == "all")
+            for (const auto& known : kNames)
+                aovs |= known.second;
+        else
+            aovs |= aov_of(name);
+        at = comma + 1;
+    }
+    return aovs;
+}
+
+VectorPlanes::VectorPlanes(Image& image, const std::string& prefix, const std::string& suffixes) {
+    for (size_t i = 0; i < 3; ++i)
+        m_planes[i] = &image.plane(prefix + suffixes[i]);
+}
+
+void VectorPlanes::set(int x, int y, const Imath::V3d& value) const {
+    for (int i = 0; i < 3; ++i)
+        (*m_planes[i])(x, y) = float(value[i]);
+}
+
+Film::Film(int width, int height, uint32_t aovs) : image(width, height) {
+    struct Group {
+        uint32_t aov;
+        VectorPlanes Film::*planes;
+        const char* prefix;
+        const char* suffixes;
+    };
+    const Group groups[] = {{0, &Film::beauty, "", "RGB"},
+                            {kAovNormal, &Film::normal, "N.", "XYZ"},
+                            {kAovPosition, &Film::position, "P.", "XYZ"},
+                            {kAovAlbedo, &Film::albedo, "albedo.", "RGB"},
+                            {kAovDirect, &Film::direct, "direct.", "RGB"},
+                            {kAovIndirect, &Film::indirect, "indirect.", "RGB"},
+                            {kAovVariance, &Film::variance, "variance.", "RGB"}};
+    // Add every plane before taking the address of any.
+    const auto wanted = [&](uint32_t aov) { return aov == 0 || (aovs & aov); };
+    for (const Group& group : groups)
+        if (wanted(group.aov))
+            for (size_t i = 0; i < 3; ++i)
+                image.plane(std::string(group.prefix) + group.suffixes[i]);
+    if (aovs & kAovDepth) image.plane("Z");
+    if (aovs & kAovMotion) {
+        image.plane("motion.X");
+        image.plane("motion.Y");
+    }
+    if (aovs & kAovId) id = &image.uint_plane("id");
+    for (const Group& group : groups)
+        if (wanted(group.aov))
+            this->*group.planes = VectorPlanes(image, group.prefix, group.suffixes);
+    if (aovs & kAovDepth) depth = &image.plane("Z");
+    if (aovs & kAovMotion) {
+        motion_x = &image.plane("motion.X");
+        motion_y = &image.plane("motion.Y");
+    }
+}
+
+} // namespace ql

@@ -1,0 +1,238 @@
+#include "shading/lights.h"
+
+#include "sampling/warp.h"
+#include "shading/surface_input.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace ql {
+
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+// A light inside the last 2^-20 of the way may lie on a surface: do not let that surface hide it.
+constexpr float kShadowEnd = 1 - 0x1p-20f;
+// Textured emission is averaged over this many points per side when a triangle's power is needed.
+constexpr int kPowerSamples = 4;
+
+double largest(const V3d& v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+double mean(const V3f& v) {
+    return (double(v.x) + double(v.y) + double(v.z)) / 3;
+}
+
+bool emits(const Material& material) {
+    return material.emission != V3f(0, 0, 0) || material.model == MaterialModel::unlit;
+}
+
+V3d light_intensity(const Light& light, const RenderSpace& space) {
+    const double s2 = space.scale * space.scale;
+    return light.kind == Light::Kind::directional ? light.intensity : light.intensity * s2;
+}
+
+// The exponent of the brightest light or emitter.
+int brightness_exponent(const World& world) {
+    double brightest = 0;
+    for (const Node& node : world.scene->nodes)
+        if (node.light >= 0)
+            brightest = std::max(
+                brightest,
+                largest(light_intensity(world.scene->lights[size_t(node.light)], world.space)));
+    for (const Surface& surface : world.surfaces) {
+        const Material& material = world.scene->materials[size_t(surface.material)];
+        brightest = std::max(brightest, largest(V3d(material.emission)));
+        if (material.model == MaterialModel::unlit)
+            brightest = std::max(brightest, largest(V3d(material.base_color)));
+    }
+    return brightest > 0 ? std::ilogb(brightest) : 0;
+}
+
+} // namespace
+
+float spot_falloff(float cos_angle, float cos_inner, float cos_outer, float exponent) {
+    if (cos_angle < cos_outer) return 0;
+    if (exponent >= 0) return std::pow(std::max(cos_angle, 0.0f), exponent);
+    const float width = std::max(cos_inner - cos_outer, 1e-3f); // as KHR_lights_punctual has it
+    const float inside = std::min(1.0f, (cos_angle - cos_outer) / width);
+    return inside * inside;
+}
+
+LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_exponent(world)) {
+    m_stored_from_real = float(std::ldexp(1.0, -m_exponent));
+    add_punctual(world);
+    add_triangles(world);
+    std::vector<double> powers;
+    powers.reserve(m_punctual.size() + m_triangles.size());
+    for (const Punctual& light : m_punctual)
+        powers.push_back(punctual_power(light));
+    for (const Triangle& triangle : m_triangles) {
+        double radiance = 0;
+        for (int i = 0; i < kPowerSamples; ++i)
+            for (int j = 0; j < kPowerSamples; ++j) {
+                const V2f b = square_to_uniform_triangle(
+                    {(float(i) + 0.5f) / kPowerSamples, (float(j) + 0.5f) / kPowerSamples});
+                radiance += mean(triangle_radiance(triangle, b.x, b.y));
+                if (!triangle.textured) break;
+            }
+        const int samples = triangle.textured ? kPowerSamples * kPowerSamples : kPowerSamples;
+        powers.push_back(radiance / samples * kPiD * double(triangle.area) *
+                         (triangle.double_sided ? 2 : 1));
+    }
+    m_pick = AliasTable(powers);
+}
+
+void LightSet::add_punctual(const World& world) {
+    const Scene& scene = *world.scene;
+    for (size_t i = 0; i < scene.nodes.size(); ++i) {
+        if (scene.nodes[i].light < 0) continue;
+        const Light& light = scene.lights[size_t(scene.nodes[i].light)];
+        const Affine world_from_node = affine_from(world.world_from_node[i]);
+        Punctual punctual;
+        punctual.kind = light.kind;
+        punctual.position = V3f(world.space.from_world(world_from_node.translation));
+        punctual.axis = V3f(world_from_node.vector({0, 0, -1}).normalized());
+        punctual.intensity =
+            V3f(light_intensity(light, world.space) * std::ldexp(1.0, -m_exponent));
+        punctual.cos_outer = float(std::cos(light.outer_angle));
+        punctual.cos_inner = float(std::cos(light.inner_angle));
+        punctual.exponent = light.exponent ? float(*light.exponent) : -1.0f;
+        m_punctual.push_back(punctual);
+    }
+}
+
+void LightSet::add_triangles(const World& world) {
+    const Scene& scene = *world.scene;
+    m_first_triangle.assign(world.surfaces.size(), -1);
+    for (uint32_t s = 0; s < world.surfaces.size(); ++s) {
+        const Surface& surface = world.surfaces[s];
+        const Material& material = scene.materials[size_t(surface.material)];
+        if (surface.kind != Surface::Kind::triangles || !emits(material)) continue;
+        m_first_triangle[s] = int(m_triangles.size());
+        const Mesh& mesh = scene.meshes[size_t(surface.mesh)];
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            const auto corners = triangle_corners(world, s, t);
+            Triangle triangle;
+            triangle.corner = corners[0];
+            triangle.edge1 = corners[1] - corners[0];
+            triangle.edge2 = corners[2] - corners[0];
+            const V3f cross = triangle.edge1.cross(triangle.edge2);
+            const float length = cross.length();
+            triangle.area = length / 2;
+            triangle.normal = length > 0 ? cross * (surface.winding / length) : V3f(0, 0, 1);
+            triangle.offset =
+                surface.instanced
+                    ? surface.offset
+                    : kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
+                                                detail::largest_coordinate(corners[1]),
+                                                detail::largest_coordinate(corners[2])});
+            triangle.surface = s;
+            triangle.primitive = t;
+            triangle.double_sided = material.double_sided;
+            triangle.textured =
+                material.emission_texture.used() || material.model == MaterialModel::unlit;
+            m_triangles.push_back(triangle);
+        }
+    }
+}
+
+double LightSet::punctual_power(const Punctual& light) const {
+    const double i = mean(light.intensity);
+    const double co = double(light.cos_outer), ci = double(light.cos_inner);
+    switch (light.kind) {
+    case Light::Kind::point:
+        return 4 * kPiD * i;
+    case Light::Kind::spot:
+        if (light.exponent >= 0) {
+            const double n = double(light.exponent);
+            return 2 * kPiD * i * (1 - std::pow(std::max(co, 0.0), n + 1)) / (n + 1);
+        }
+        // The ramp ((x - co) / (ci - co))^2 integrates to a third of its width.
+        return 2 * kPiD * i * (1 - ci + (ci - co) / 3);
+    case Light::Kind::directional: {
+        const V3d size = m_world->bounds.isEmpty() ? V3d(0) : m_world->bounds.size();
+        return i * kPiD * size.length2() / 4; // the disc around the scene's bounding sphere
+    }
+    }
+    return 0;
+}
+
+V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) const {
+    const Scene& scene = *m_world->scene;
+    const Surface& surface = m_world->surfaces[triangle.surface];
+    const Material& material = scene.materials[size_t(surface.material)];
+    if (!triangle.textured) return material.emission * m_stored_from_real;
+    return emission_at<true>(
+               scene.textures, material,
+               surface_input_at(*m_world, triangle.surface, triangle.primitive, b1, b2)) *
+           m_stored_from_real;
+}
+
+std::optional<LightSample> LightSet::sample(const V3f& from, double u_pick, V2f u) const {
+    const auto pick = m_pick.sample(u_pick);
+    const float probability = pick.probability;
+    if (pick.index < m_punctual.size())
+        return sample_punctual(m_punctual[pick.index], from, probability);
+    return sample_triangle(m_triangles[pick.index - m_punctual.size()], from, u, probability);
+}
+
+std::optional<LightSample> LightSet::sample_punctual(const Punctual& light, const V3f& from,
+                                                     float probability) const {
+    LightSample sample;
+    sample.pdf_solid_angle = 0;
+    if (light.kind == Light::Kind::directional) {
+        sample.distant = true;
+        sample.direction = -light.axis;
+        sample.weight = light.intensity / probability;
+        return sample;
+    }
+    const V3f way = light.position - from;
+    const float distance2 = way.dot(way);
+    if (!(distance2 > 0)) return std::nullopt;
+    sample.direction = way / std::sqrt(distance2);
+    float falloff = 1;
+    if (light.kind == Light::Kind::spot) {
+        falloff = spot_falloff(-sample.direction.dot(light.axis), light.cos_inner, light.cos_outer,
+                               light.exponent);
+        if (falloff <= 0) return std::nullopt;
+    }
+    sample.distant = false;
+    sample.target = from + way * kShadowEnd;
+    sample.weight = light.intensity * (falloff / (distance2 * probability));
+    return sample;
+}
+
+std::optional<LightSample> LightSet::sample_triangle(const Triangle& triangle, const V3f& from,
+                                                     V2f u, float probability) const {
+    const V2f b = square_to_uniform_triangle(u);
+    const V3f at = triangle.corner + triangle.edge1 * b.x + triangle.edge2 * b.y;
+    const V3f way = at - from;
+    const float distance2 = way.dot(way);
+    if (!(distance2 > 0)) return std::nullopt;
+    LightSample sample;
+    sample.direction = way / std::sqrt(distance2);
+    const float cosine = -sample.direction.dot(triangle.normal);
+    if (cosine == 0 || (cosine < 0 && !triangle.double_sided)) return std::nullopt;
+    sample.distant = false;
+    sample.target = offset_origin(at, triangle.normal, triangle.offset, -sample.direction);
+    sample.pdf_solid_angle = probability * distance2 / (std::abs(cosine) * triangle.area);
+    if (!std::isfinite(sample.pdf_solid_angle)) return std::nullopt;
+    sample.weight = triangle_radiance(triangle, b.x, b.y) / sample.pdf_solid_angle;
+    return sample;
+}
+
+float LightSet::pdf_solid_angle(const SurfacePoint& at, const V3f& direction,
+                                float distance) const {
+    const int first = m_first_triangle[at.surface];
+    if (first < 0) return 0;
+    const size_t index = size_t(first) + at.primitive;
+    const Triangle& triangle = m_triangles[index];
+    const float cosine = std::abs(direction.dot(triangle.normal));
+    if (!(cosine > 0) || triangle.area <= 0) return 0;
+    return m_pick.probability(m_punctual.size() + index) * distance * distance /
+           (cosine * triangle.area);
+}
+
+} // namespace ql

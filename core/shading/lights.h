@@ -1,0 +1,83 @@
+// The lights of a posed world, in render space, and sampling them by power.
+//
+// Units: radiance in W/(m^2 sr); intensities in render space are W/sr times RenderSpace::scale^2,
+// so that I'/d'^2 is the irradiance whatever the unit of length. All values are divided by 2^k
+// (`exponent`) so that the brightest light is near 1: scenes of 1e-30 or 1e30 candela lose nothing.
+#pragma once
+
+#include "geometry/surface_point.h"
+#include "sampling/discrete.h"
+
+#include <optional>
+#include <vector>
+
+namespace ql {
+
+struct LightSample {
+    V3f target = {0, 0, 0}; // point in render space that must be visible; unused if distant
+    V3f direction;          // unit vector from the shaded point to the light
+    bool distant;           // the light is outside of the scene: nothing may lie along direction
+    V3f weight;             // radiance / pdf, or intensity / (distance^2 probability)
+    float pdf_solid_angle;  // 0 for point, spot and directional lights
+};
+
+class LightSet {
+  public:
+    explicit LightSet(const World& world);
+
+    bool empty() const { return m_pick.empty(); }
+    // Real values are stored values times 2^exponent.
+    int exponent() const { return m_exponent; }
+    float stored_from_real() const { return m_stored_from_real; }
+    size_t punctual_count() const { return m_punctual.size(); }
+    size_t triangle_count() const { return m_triangles.size(); }
+
+    // A light chosen by power and a point on it; none if the point cannot be lit by that choice.
+    // u_pick and u in [0, 1).
+    std::optional<LightSample> sample(const V3f& from, double u_pick, V2f u) const;
+
+    // The density with which sample() at `from` would have chosen the direction to `at`, a point on
+    // an emissive triangle that lies in `direction` (unit) at `distance`.
+    float pdf_solid_angle(const SurfacePoint& at, const V3f& direction, float distance) const;
+
+  private:
+    struct Punctual {
+        Light::Kind kind;
+        V3f position;
+        V3f axis; // unit, the way the light shines
+        V3f intensity;
+        float cos_outer, cos_inner;
+        float exponent; // negative: glTF's smooth cone
+    };
+    struct Triangle {
+        V3f corner, edge1, edge2;
+        V3f normal; // unit, front
+        float area;
+        float offset;
+        uint32_t surface, primitive;
+        bool double_sided;
+        bool textured;
+    };
+
+    void add_punctual(const World& world);
+    void add_triangles(const World& world);
+    double punctual_power(const Punctual& light) const;
+    V3f triangle_radiance(const Triangle& triangle, float b1, float b2) const;
+    std::optional<LightSample> sample_punctual(const Punctual& light, const V3f& from,
+                                               float probability) const;
+    std::optional<LightSample> sample_triangle(const Triangle& triangle, const V3f& from, V2f u,
+                                               float probability) const;
+
+    const World* m_world;
+    std::vector<Punctual> m_punctual;
+    std::vector<Triangle> m_triangles;
+    std::vector<int> m_first_triangle; // by surface; -1: the surface does not emit
+    AliasTable m_pick;                 // punctual lights first, then triangles
+    int m_exponent = 0;
+    float m_stored_from_real = 1;
+};
+
+// The share of its axial intensity that a spot light sends out at an angle of this cosine.
+float spot_falloff(float cos_angle, float cos_inner, float cos_outer, float exponent);
+
+} // namespace ql

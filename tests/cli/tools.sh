@@ -1,0 +1,80 @@
+# What the tests of common behaviour know about each tool; to be sourced in a scratch folder.
+#
+# A new tool needs a function tool_NAME (with _ for -) that calls, as far as they apply:
+#   command ARGS...      a short run that succeeds; @OUT@ stands for the file it writes, and the
+#                        first word that starts with good. for an image it reads
+#   output EXT           the ending that @OUT@ takes
+#   no_output            when it writes only to standard output
+#   slow ARGS...         a run of several seconds that writes @OUT@ (tools that read no image)
+
+make_inputs() {
+    "$SRC/tests/cli/make_image" good.exr 16x16 R='x/w' G='y/h' B='noise()'
+    "$SRC/tests/cli/make_image" reference.exr 16x16 R='x/w' G='y/h' B='0.5'
+}
+
+tool_img_diff() {
+    command --heatmap @OUT@ good.exr reference.exr
+    output exr
+}
+
+# load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
+load() {
+    ARGS=() SLOW=() EXT='' INPUT=''
+    command() { ARGS=("$@"); }
+    output() { EXT=$1; }
+    no_output() { EXT=''; }
+    slow() { SLOW=("$@"); }
+    local name=tool_${1//-/_}
+    if ! declare -F "$name" >/dev/null; then
+        echo "$1: tests/cli/tools.sh has no line for this tool"
+        return 1
+    fi
+    "$name"
+    unset -f command
+    local word
+    for word in "${ARGS[@]}"; do
+        case $word in good.*) INPUT=$word; break ;; esac
+    done
+}
+
+# all_tools: the names of the tools in the folder that comes first on PATH.
+all_tools() {
+    local bin=${PATH%%:*} file
+    for file in "$bin"/*; do [ -f "$file" ] && [ -x "$file" ] && basename "$file"; done
+}
+
+# arguments OUT [INPUT]: ARGS with @OUT@ and the input replaced, into RUN.
+arguments() {
+    local word
+    RUN=()
+    for word in "${ARGS[@]}"; do
+        [ "$word" = @OUT@ ] && word=$1
+        [ -n "${2-}" ] && [ "$word" = "$INPUT" ] && word=$2
+        RUN+=("$word")
+    done
+}
+
+# expect TOOL WHAT STATUS COMMAND...: complains unless the command ends with that status.
+expect() {
+    local tool=$1 what=$2 wanted=$3 status
+    shift 3
+    "$@" >out.txt 2>err.txt
+    status=$?
+    [ $status = "$wanted" ] || { echo "$tool: $what: exit status $status, expected $wanted"; sed 's/^/    /' err.txt; }
+}
+
+# one_line TOOL WHAT: complains unless err.txt is one line that begins with the tool's name.
+one_line() {
+    [ "$(wc -l <err.txt)" = 1 ] && [[ $(cat err.txt) == "$1: "* ]] ||
+        { echo "$1: $2: expected one line on standard error"; sed 's/^/    /' err.txt; }
+}
+
+# nothing TOOL WHAT FILE: complains if there is anything.
+nothing() { [ ! -s "$3" ] || { echo "$1: $2: $3 is not empty"; sed 's/^/    /' "$3"; }; }
+
+# no_files TOOL WHAT PREFIX: complains if a file or temporary file of that name is there.
+no_files() {
+    local left
+    left=$(find . -maxdepth 1 \( -name "$3*" -o -name ".$3*" \))
+    [ -z "$left" ] || { echo "$1: $2: left behind $left"; rm -f $left; }
+}
