@@ -119,4 +119,32 @@ std::string feature_line(const SceneFeatures& f) {
     return line;
 }
 
+std::vector<std::pair<const char*, uint64_t>> feature_counts(const SceneFeatures& f) {
+    return {{"triangles", f.triangles},
+            {"unique_triangles", f.unique_triangles},
+            {"mesh_instances", f.mesh_instances},
+            {"spheres", f.spheres},
+            {"cones", f.cones},
+            {"vertex_color_instances", f.vertex_color_instances},
+            {"textures", f.textures},
+            {"metallic_roughness_materials", f.metallic_roughness_materials},
+            {"transmissive_materials", f.transmissive_materials},
+            {"phong_diffuse_materials", f.phong_diffuse_materials},
+            {"phong_glossy_materials", f.phong_glossy_materials},
+            {"phong_specular_materials", f.phong_specular_materials},
+            {"unlit_materials", f.unlit_materials},
+            {"emissive_materials", f.emissive_materials},
+            {"textured_materials", f.textured_materials},
+            {"normal_mapped_materials", f.normal_mapped_materials},
+            {"alpha_mask_materials", f.alpha_mask_materials},
+            {"alpha_blend_materials", f.alpha_blend_materials},
+            {"point_lights", f.point_lights},
+            {"spot_lights", f.spot_lights},
+            {"directional_lights", f.directional_lights},
+            {"emissive_triangles", f.emissive_triangles},
+            {"emissive_shapes", f.emissive_shapes},
+            {"cameras", f.cameras},
+            {"animated_nodes", f.animated_nodes}};
+}
+
 } // namespace ql

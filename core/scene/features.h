@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace ql {
 
@@ -53,5 +55,8 @@ SceneFeatures required_features(const Scene& scene);
 // "32 triangles, 5 phong diffuse materials, 1 point light, 1 camera": what is not there is not
 // mentioned.
 std::string feature_line(const SceneFeatures& features);
+
+// Every count under the name of its field, in the order above: the `scene` object of --stats.
+std::vector<std::pair<const char*, uint64_t>> feature_counts(const SceneFeatures& features);
 
 } // namespace ql
