@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "image/atomic_file.h"
+#include "image/exr_parts.h"
 
 #include <OpenEXR/OpenEXRConfig.h>
 #include <OpenImageIO/color.h>
@@ -359,25 +360,24 @@ void write_image_parts(const std::string& path, std::span<const Image> parts,
                        const ImageWriteConfig& config) {
     const FileFormat format = file_format(path, config.format);
     check_parts(parts, format, config, path);
+    if (parts.size() > 1) {
+        const std::vector<char> file = exr_parts(parts, config);
+        return write_file(path, std::as_bytes(std::span(file)));
+    }
     std::vector<unsigned char> bytes;
     {
         OIIO::Filesystem::IOVecOutput memory(bytes);
         auto output = OIIO::ImageOutput::create(library_name(format));
         std::vector<const Plane<float>*> planes;
         if (format == FileFormat::png) planes = png_planes(parts.front(), path);
-        std::vector<OIIO::ImageSpec> specs;
-        for (const Image& part : parts)
-            specs.push_back(format == FileFormat::png ? png_spec(part, planes, config)
-                                                      : write_spec(part, format, config));
+        const OIIO::ImageSpec spec = format == FileFormat::png
+                                         ? png_spec(parts.front(), planes, config)
+                                         : write_spec(parts.front(), format, config);
         if (!output || !output->set_ioproxy(&memory))
             throw output_error("{}: the image library cannot write to memory", path);
-        bool good = parts.size() == 1 ? output->open("memory", specs.front())
-                                      : output->open("memory", int(specs.size()), specs.data());
-        for (size_t i = 0; good && i < parts.size(); ++i) {
-            if (i > 0) good = output->open("memory", specs[i], OIIO::ImageOutput::AppendSubimage);
-            good = good && (format == FileFormat::png ? write_png_pixels(*output, planes, config)
-                                                      : write_exr_pixels(*output, parts[i]));
-        }
+        bool good = output->open("memory", spec);
+        good = good && (format == FileFormat::png ? write_png_pixels(*output, planes, config)
+                                                  : write_exr_pixels(*output, parts.front()));
         good = good && output->close();
         if (!good) throw output_error("{}: {}", path, first_line(output->geterror()));
     }
