@@ -38,6 +38,17 @@ uint32_t quantized(float value, float step) {
 
 } // namespace
 
+MaskOffsets permute_offsets(OffsetKind kind, const Mask& mask,
+                            const std::vector<RetargetTexture>& textures) {
+    MaskOffsets offsets = mask_offsets(kind, mask.values.width(), mask.values.height());
+    if (textures.empty()) return offsets;
+    const Imath::V2i step = textures.front().step;
+    if (std::all_of(textures.begin(), textures.end(),
+                    [&](const RetargetTexture& texture) { return texture.step == step; }))
+        offsets.step = step;
+    return offsets;
+}
+
 Permuter::Permuter(const Mask& mask, std::vector<RetargetTexture> textures,
                    const PermuteConfig& config, int width, int height)
     : m_config(config), m_width(width), m_height(height),

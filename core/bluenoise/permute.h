@@ -34,6 +34,11 @@ struct PermuteConfig {
     uint64_t seed = 0;      // of fresh seeds and of the jitter
 };
 
+// The offsets of a kind for this mask; `lattice` takes the step of the textures if they have one in
+// common, so that sets made with another step go too.
+MaskOffsets permute_offsets(OffsetKind kind, const Mask& mask,
+                            const std::vector<RetargetTexture>& textures);
+
 // What the passes look at besides seeds; planes of the image's size.
 struct FrameGuides {
     const Array2D<float>* intensity = nullptr; // of the frame alone, not accumulated; finite

@@ -8,6 +8,10 @@
 #include <numeric>
 #include <vector>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace ql {
 
 namespace {
@@ -65,6 +69,24 @@ std::vector<Exchange> sorting_network(int n) {
     return network;
 }
 
+// The lesser of each lane to `low`, the greater to `high`. Written out because compilers do not
+// take the vector instructions for it, whose zeros and NaNs differ; keys are neither.
+inline void put_in_order(Key* low, Key* high) {
+#ifdef __SSE2__
+    for (size_t lane = 0; lane < kLanes; lane += 2) {
+        const __m128d a = _mm_loadu_pd(low + lane), b = _mm_loadu_pd(high + lane);
+        _mm_storeu_pd(low + lane, _mm_min_pd(a, b));
+        _mm_storeu_pd(high + lane, _mm_max_pd(a, b));
+    }
+#else
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+        const Key a = low[lane], b = high[lane];
+        low[lane] = std::min(a, b);
+        high[lane] = std::max(a, b);
+    }
+#endif
+}
+
 struct Rect {
     int x0, y0, x1, y1; // cut off at the image
     int column, row;    // of the whole block's upper left corner
@@ -81,6 +103,11 @@ class Sorter {
           m_columns((intensities.width() - m_first_x + m_block - 1) / m_block),
           m_rows((intensities.height() - m_first_y + m_block - 1) / m_block) {
         if (m_block <= kMaxNetworkBlock) m_network = sorting_network(int(m_pixels));
+        for (int y = 0; y < m_block; ++y)
+            for (int x = 0; x < m_block; ++x) {
+                m_places.emplace_back(x, y);
+                m_distances.push_back(std::ptrdiff_t(y) * seeds.width() + x);
+            }
         m_phases_x = phases(m_first_x, config.mask_offset.x, m_columns, ranks.width());
         m_phases_y = phases(m_first_y, config.mask_offset.y, m_rows, ranks.height());
     }
@@ -118,8 +145,12 @@ class Sorter {
         return result;
     }
 
-    uint16_t* order(size_t px, size_t py) {
+    uint16_t* order_of_phase(size_t px, size_t py) {
         return &m_orders[(py * m_phases_x.starts.size() + px) * m_pixels];
+    }
+    const uint16_t* order(int column, int row) {
+        return order_of_phase(m_phases_x.of_block[size_t(column)],
+                              m_phases_y.of_block[size_t(row)]);
     }
 
     void fill_order(size_t px, size_t py) {
@@ -139,7 +170,7 @@ class Sorter {
             };
             return place(a) < place(b);
         });
-        uint16_t* indices = order(px, py);
+        uint16_t* indices = order_of_phase(px, py);
         for (size_t i = 0; i < m_pixels; ++i)
             indices[i] = uint16_t(keys[i] & ((1u << kIndexBits) - 1));
     }
@@ -166,15 +197,8 @@ class Sorter {
             const int last = std::min(first + int(kLanes), m_columns);
             for (int column = first; column < last; ++column)
                 load(rect(column, row), &keys[size_t(column - first)]);
-            for (const Exchange& exchange : m_network) {
-                Key* low = &keys[exchange.low * kLanes];
-                Key* high = &keys[exchange.high * kLanes];
-                for (size_t lane = 0; lane < kLanes; ++lane) {
-                    const Key a = low[lane], b = high[lane];
-                    low[lane] = a < b ? a : b;
-                    high[lane] = a < b ? b : a;
-                }
-            }
+            for (const Exchange& exchange : m_network)
+                put_in_order(&keys[exchange.low * kLanes], &keys[exchange.high * kLanes]);
             for (int column = first; column < last; ++column)
                 store(column, row, &keys[size_t(column - first)], sorted_seeds);
         }
@@ -196,31 +220,32 @@ class Sorter {
     void store(int column, int row, const Key* keys, std::vector<uint32_t>& sorted_seeds) {
         const Rect r = rect(column, row);
         const size_t count = size_t(r.x1 - r.x0) * size_t(r.y1 - r.y0);
+        uint32_t* const seeds = m_seeds.values().data();
+        const std::ptrdiff_t corner = std::ptrdiff_t(r.row) * m_seeds.width() + r.column;
         for (size_t k = 0; k < count; ++k)
-            sorted_seeds[k] = seed_at(r, index_of(keys[k * kLanes]));
-        const uint16_t* indices =
-            order(m_phases_x.of_block[size_t(column)], m_phases_y.of_block[size_t(row)]);
+            sorted_seeds[k] = seeds[corner + m_distances[index_of(keys[k * kLanes])]];
+        const uint16_t* indices = order(column, row);
         const uint32_t* next = sorted_seeds.data();
         if (is_whole(r)) {
             for (size_t k = 0; k < m_pixels; ++k)
-                seed_at(r, indices[k]) = *next++;
+                seeds[corner + m_distances[indices[k]]] = *next++;
             return;
         }
         for (size_t k = 0; k < m_pixels; ++k)
-            if (is_inside(r, indices[k])) seed_at(r, indices[k]) = *next++;
+            if (is_inside(r, indices[k])) seeds[corner + m_distances[indices[k]]] = *next++;
     }
 
     uint32_t& seed_at(const Rect& r, uint32_t index) {
-        return m_seeds(r.column + int(index) % m_block, r.row + int(index) / m_block);
+        return m_seeds(r.column + m_places[index].x, r.row + m_places[index].y);
     }
     bool is_inside(const Rect& r, uint32_t index) const {
-        const int x = r.column + int(index) % m_block, y = r.row + int(index) / m_block;
+        const int x = r.column + m_places[index].x, y = r.row + m_places[index].y;
         return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
     }
 
     uint32_t surface_at(const Rect& r, uint32_t index) const {
         if (m_surfaces.empty()) return 0;
-        return m_surfaces(r.column + int(index) % m_block, r.row + int(index) / m_block);
+        return m_surfaces(r.column + m_places[index].x, r.row + m_places[index].y);
     }
 
     // Orders the pixels by (surface, intensity) and their places by (surface, mask value).
@@ -230,15 +255,14 @@ class Sorter {
         std::vector<uint32_t> sorted_seeds;
         for (int column = 0; column < m_columns; ++column) {
             const Rect r = rect(column, row);
-            const uint16_t* indices =
-                order(m_phases_x.of_block[size_t(column)], m_phases_y.of_block[size_t(row)]);
+            const uint16_t* indices = order(column, row);
             pixels.clear();
             places.clear();
             for (size_t k = 0; k < m_pixels; ++k) {
                 const uint32_t index = indices[k];
                 if (!is_inside(r, index)) continue;
                 const float intensity =
-                    m_intensities(r.column + int(index) % m_block, r.row + int(index) / m_block);
+                    m_intensities(r.column + m_places[index].x, r.row + m_places[index].y);
                 const uint32_t surface = surface_at(r, index);
                 pixels.emplace_back(
                     surface, sort_key(intensity, seed_at(r, index), m_config.tie_key, index));
@@ -265,6 +289,8 @@ class Sorter {
     int m_first_x, m_first_y; // of the first block, in (-block, 0]
     int m_columns, m_rows;    // of blocks
     std::vector<Exchange> m_network;
+    std::vector<Imath::V2i> m_places;        // of an index in the block
+    std::vector<std::ptrdiff_t> m_distances; // the same in the memory of the seeds
     Phases m_phases_x, m_phases_y;
     std::vector<uint16_t> m_orders;
 };

@@ -17,6 +17,22 @@ tool_img_diff() {
     output exr
 }
 
+tool_bn_mask() {
+    command --size 16x16 -o @OUT@
+    output exr
+    slow --size 3000x3000 -o @OUT@
+}
+
+tool_bn_anneal() {
+    command good.exr --channel B --radius 2 -o @OUT@
+    output exr
+}
+
+tool_bn_permute() {
+    command --image good.exr --mask reference.exr --channel R -o @OUT@
+    output exr
+}
+
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
 load() {
     ARGS=() SLOW=() EXT='' INPUT=''
