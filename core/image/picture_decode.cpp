@@ -1,6 +1,7 @@
 #include "image/picture_decode.h"
 
 #include "base/error.h"
+#include "image/png_check.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -85,6 +86,13 @@ std::vector<uint8_t> spread_to_rgba(const std::vector<uint8_t>& samples, size_t 
 Picture decode_picture(std::span<const std::byte> bytes, const std::string& name,
                        const PictureDecodeConfig& config) {
     const Magic& magic = recognised(bytes, name);
+
+    // libpng prints what it thinks of profiles and the like, which matter to no texture.
+    std::vector<std::byte> bare;
+    if (std::string_view(magic.name) == "PNG") {
+        bare = bare_png(bytes, name);
+        bytes = bare;
+    }
 
     // Open the bytes as if they were a file.
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
