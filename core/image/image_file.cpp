@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "image/atomic_file.h"
+#include "image/png_check.h"
 
 #include <OpenEXR/OpenEXRConfig.h>
 #include <OpenImageIO/color.h>
@@ -277,6 +278,7 @@ FileFormat file_format(const std::string& path, FileFormat requested) {
 std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
     const std::vector<std::byte> bytes = read_file(path);
     const FileFormat format = format_of(bytes, path);
+    if (format == FileFormat::png) check_png(bytes, shown_name(path));
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
     auto input = OIIO::ImageInput::create(library_name(format));
     OIIO::ImageSpec request;
