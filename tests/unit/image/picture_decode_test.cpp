@@ -101,6 +101,10 @@ TEST(PictureDecode, TruncatedPicturesAreErrors) {
     }
 }
 
+TEST(PictureDecode, JpegWithoutItsEndIsTruncated) {
+    EXPECT_EQ(error_of({0xff, 0xd8, 0xff, 0xe0, 0, 16}), "picture: truncated JPEG of 6 bytes");
+}
+
 TEST(PictureDecode, DamagedPicturesAreErrors) {
     const Bytes whole = png(8, 6, Bytes(32, 100));
     for (size_t at = 8; at < whole.size(); ++at) {
