@@ -113,6 +113,23 @@ std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d&
     return nearest;
 }
 
+V3d off_cone_rim(const ImplicitShape& shape, const V3d& p, double margin) {
+    const ConeProfile cone = profile_of(shape);
+    const double side = p.y < 0 ? -1 : 1;
+    const double ring = std::hypot(p.x, p.z);
+    const double rim = cone.radius(side * cone.half_height);
+    const double below_end = cone.half_height - std::abs(p.y);
+    if (below_end >= margin || rim - ring >= margin) return p;
+    // On the end disc go inwards, on the side towards the middle.
+    if (std::abs(below_end) < std::abs(cone.radius(p.y) - ring)) {
+        const double shrink = ring > 0 ? std::max(0.0, rim - margin) / ring : 1;
+        return {p.x * shrink, p.y, p.z * shrink};
+    }
+    const double y = side * std::max(0.0, cone.half_height - margin);
+    const double shrink = ring > 0 ? std::max(0.0, cone.radius(y)) / ring : 1;
+    return {p.x * shrink, y, p.z * shrink};
+}
+
 V3d half_extent(const ImplicitShape& shape) {
     if (shape.kind == ImplicitShape::Kind::sphere) return V3d(double(shape.radius));
     const double r = double(std::max(shape.radius_bottom, shape.radius_top));

@@ -122,8 +122,10 @@ TEST(closed_form, emissive_triangle) {
     const std::vector<V3d> corners = {{-0.5, -0.4, 1.6}, {0.1, 0.9, 1.9}, {0.8, -0.3, 1.4}};
     for (const LightSampling sampling : {LightSampling::mis, LightSampling::lights}) {
         Plane plane;
+        Material both_sides = emitter(V3f(2));
+        both_sides.double_sided = true;
         plane.builder.add_triangle(V3f(corners[0]), V3f(corners[1]), V3f(corners[2]),
-                                   plane.builder.add_material(emitter(V3f(2))));
+                                   plane.builder.add_material(both_sides));
         for (const auto& [x, y] : kPlaces) {
             const V3d p(x, y, 0);
             RenderConfig config;
@@ -151,9 +153,12 @@ TEST(closed_form, blended_screen_passes_its_share_of_light) {
         RenderConfig config;
         config.spp = 4096;
         config.path.max_depth = 1;
-        const View below_screen{{0.02, 0.03, 0.5}, {0, 0, 0}, 0.002, 16, 16};
+        const V3d below(0.2, 0.05, 0); // not under the diagonal of the screen
+        const View below_screen{below + V3d(0.02, 0.03, 0.5), below, 0.002, 16, 16};
         const FrameResult result = render_scene(plane.builder.scene, below_screen, config);
-        const double expected = double(kAlbedo.x) / kPiD * 7 / 4 * (1 - double(alpha));
+        const double distance = V3d(0.2, 0.05, 2).length();
+        const double expected = double(kAlbedo.x) / kPiD * 7 * 2 /
+                                (distance * distance * distance) * (1 - double(alpha));
         EXPECT_NEAR(mean_of(result.image, "R"), expected, 3e-3 * (expected + 1e-9));
     }
 }

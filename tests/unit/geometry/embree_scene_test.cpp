@@ -16,11 +16,12 @@ using namespace reference;
 const Workers kOne(1);
 
 struct Posed {
+    Scene scene;
     World world;
     EmbreeScene rays;
 
-    explicit Posed(const Scene& scene)
-        : world(pose_world(scene, render_space_of(scene, kOne), 0, kOne)),
+    explicit Posed(const Scene& posed_scene)
+        : scene(posed_scene), world(pose_world(scene, render_space_of(scene, kOne), 0, kOne)),
           rays(world, nullptr, kOne) {}
     Posed(const Posed&) = delete;
 
@@ -65,7 +66,9 @@ void expect_same_hits(const Scene& instances, const Scene& copies) {
             ++different; // at an edge
             continue;
         }
-        EXPECT_LT((at_a.position - at_b.position).length(), 1e-6f);
+        // Both lie on the surface; along grazing rays they may be further apart.
+        EXPECT_LT(std::abs((at_a.position - at_b.position).dot(at_a.ng)), 2e-7f);
+        EXPECT_LT((at_a.position - at_b.position).length(), 1e-4f);
         EXPECT_TRUE(std::isfinite(at_a.offset) && at_a.offset > 0);
     }
     EXPECT_GT(hits, 1000);
