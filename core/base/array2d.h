@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace ql {
@@ -36,8 +37,10 @@ class Array2D {
     std::span<const T> row(int y) const {
         return {&m_values[size_t(y) * size_t(m_width)], size_t(m_width)};
     }
-    std::vector<T>& values() { return m_values; }
-    const std::vector<T>& values() const { return m_values; }
+    std::vector<T>& values() & { return m_values; }
+    const std::vector<T>& values() const& { return m_values; }
+    // Of a temporary by value: for (v : make().values()) must not walk through what is gone.
+    std::vector<T> values() && { return std::move(m_values); }
 
     bool operator==(const Array2D&) const = default;
 

@@ -1,7 +1,8 @@
-// Separable low-pass filters with an odd number of taps, the same along both axes.
+// Separable low-pass filters, the same along both axes.
 //
-// Taps are normalised to sum 1; tap radius + k weighs the pixel k to the right (or below). Sums are
-// taken in double in a fixed order, so that results do not depend on the number of threads.
+// Taps are normalised to sum 1; tap k weighs the pixel k - taps / 2 to the right (or below), so
+// that an even number of taps moves the picture by half a pixel. Sums are taken in double in a
+// fixed order, so that results do not depend on the number of threads.
 #pragma once
 
 #include "base/array2d.h"
@@ -19,7 +20,7 @@ enum class Border { mirror, wrap };
 std::vector<double> gaussian_taps(double sigma_px);
 // `size` equal taps; size is odd.
 std::vector<double> box_taps(int size);
-// Row `order` of Pascal's triangle, over 2^order; order is even. It has order + 1 taps.
+// Row `order` of Pascal's triangle, over 2^order: order + 1 taps.
 std::vector<double> binomial_taps(int order);
 
 Array2D<float> filtered(const Array2D<float>& image, std::span<const double> taps, Border border,

@@ -17,6 +17,11 @@ tool_img_diff() {
     output exr
 }
 
+tool_img_spectrum() {
+    command --mask --picture @OUT@ good.exr
+    output exr
+}
+
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
 load() {
     ARGS=() SLOW=() EXT='' INPUT=''
