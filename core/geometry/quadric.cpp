@@ -105,11 +105,16 @@ std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d&
     if (shape.kind == ImplicitShape::Kind::sphere)
         return intersect_sphere(shape, origin, direction, t_near, t_far);
     const ConeProfile cone = profile_of(shape);
+    // As for the sphere, start at the point of the line nearest to the centre.
+    const double t_closest = -origin.dot(direction) / direction.dot(direction);
+    const V3d closest = origin + direction * t_closest;
+    const double from = t_near - t_closest, to = t_far - t_closest;
     std::optional<QuadricHit> nearest;
-    intersect_side(cone, origin, direction, t_near, t_far, nearest);
-    intersect_disc(-cone.half_height, cone.bottom, -1, origin, direction, t_near, t_far, nearest);
-    intersect_disc(cone.half_height, double(shape.radius_top), 1, origin, direction, t_near, t_far,
+    intersect_side(cone, closest, direction, from, to, nearest);
+    intersect_disc(-cone.half_height, cone.bottom, -1, closest, direction, from, to, nearest);
+    intersect_disc(cone.half_height, double(shape.radius_top), 1, closest, direction, from, to,
                    nearest);
+    if (nearest) nearest->t += t_closest;
     return nearest;
 }
 

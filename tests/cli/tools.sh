@@ -22,6 +22,12 @@ tool_img_spectrum() {
     output exr
 }
 
+tool_bn_render() {
+    command "$SRC/examples/scenes/cornell_point.gltf" --size 16x16 -o @OUT@
+    output exr
+    slow "$SRC/examples/scenes/cornell_point.gltf" --size 512x512 --spp 64 -o @OUT@
+}
+
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
 load() {
     ARGS=() SLOW=() EXT='' INPUT=''

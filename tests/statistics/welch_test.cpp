@@ -91,7 +91,7 @@ TEST(welch, light_and_bsdf_sampling_agree_at_every_depth) {
         expect_same(mis, tile_means(diffuse_box(),
                                     path_config(16, max_depth, 0, LightSampling::lights), 100));
         expect_same(mis, tile_means(diffuse_box(),
-                                    path_config(96, max_depth, 0, LightSampling::bsdf), 200));
+                                    path_config(48, max_depth, 0, LightSampling::bsdf), 200));
     }
 }
 
@@ -100,13 +100,13 @@ TEST(welch, light_and_bsdf_sampling_agree_on_glass_and_glossy_surfaces) {
     Material big_light = emitter(V3f(3));
     for (const Material& block : {glass(1.5f), glossy(V3f(0.3f), 0.6f, 40)}) {
         const Scene scene = cornell(block, big_light);
-        expect_same(tile_means(scene, path_config(96, 6, 3, LightSampling::mis), 0),
-                    tile_means(scene, path_config(192, 6, 3, LightSampling::bsdf), 100));
+        expect_same(tile_means(scene, path_config(24, 6, 3, LightSampling::mis), 0),
+                    tile_means(scene, path_config(48, 6, 3, LightSampling::bsdf), 100));
     }
     const Scene metals = cornell(metal(0.35f), big_light);
-    const TileMeans mis = tile_means(metals, path_config(64, 4, 0, LightSampling::mis), 0);
-    expect_same(mis, tile_means(metals, path_config(192, 4, 0, LightSampling::bsdf), 100));
-    expect_same(mis, tile_means(metals, path_config(96, 4, 0, LightSampling::lights), 200));
+    const TileMeans mis = tile_means(metals, path_config(16, 4, 0, LightSampling::mis), 0);
+    expect_same(mis, tile_means(metals, path_config(48, 4, 0, LightSampling::bsdf), 100));
+    expect_same(mis, tile_means(metals, path_config(24, 4, 0, LightSampling::lights), 200));
 }
 
 // Two copies of a mesh are instances; the same triangles under two names are not.
@@ -135,7 +135,7 @@ TEST(welch, light_and_bsdf_sampling_agree_on_emitters_with_alpha) {
     light.alpha = 0.4f;
     const Scene scene = cornell(lambert(V3f(0.5f)), light);
     expect_same(tile_means(scene, path_config(32, 2, 0, LightSampling::mis), 0),
-                tile_means(scene, path_config(128, 2, 0, LightSampling::bsdf), 100));
+                tile_means(scene, path_config(64, 2, 0, LightSampling::bsdf), 100));
 }
 
 // The image of two lights is the sum of the images of each.

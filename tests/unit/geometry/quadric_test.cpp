@@ -33,8 +33,9 @@ ImplicitShape cone(float height, float bottom, float top) {
 double outside(const ImplicitShape& shape, const V3d& p) {
     if (shape.kind == ImplicitShape::Kind::sphere) return p.length() - double(shape.radius);
     const double h = double(shape.height);
-    const double radius = double(shape.radius_bottom) +
-                          (p.y / h + 0.5) * double(shape.radius_top - shape.radius_bottom);
+    const double radius =
+        double(shape.radius_bottom) +
+        (p.y / h + 0.5) * (double(shape.radius_top) - double(shape.radius_bottom));
     return std::max(std::hypot(p.x, p.z) - radius, std::abs(p.y) - h / 2);
 }
 
@@ -59,7 +60,7 @@ TEST(quadric, first_hit_is_the_first_change_of_side) {
         for (uint32_t i = 0; i < 400; ++i) {
             CounterRandom random(s, i);
             const V3d origin = random_point(random, 1.5);
-            const V3d direction = random_point(random, 1.0).normalized() * 0.7;
+            const V3d direction = (random_point(random, 0.5) - origin).normalized() * 0.7;
             const double length = 8;
             const auto hit = intersect_shape(shape, origin, direction, 0, length);
             const bool starts_inside = outside(shape, origin) < 0;
