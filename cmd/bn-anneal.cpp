@@ -181,7 +181,7 @@ std::string trace_csv(const std::vector<AnnealTraceRow>& trace) {
         text += fmt::format("\n{},{:.6g},{},{}", row.step, row.temperature, row.energy,
                             cell(row.acceptance));
         for (const double share : row.worse)
-            text += "," + cell(share);
+            text += fmt::format(",{}", cell(share));
     }
     return text + "\n";
 }

@@ -8,6 +8,7 @@
 #   slow ARGS...         a run of several seconds that writes @OUT@ (tools that read no image)
 
 make_inputs() {
+    cp "$SRC/examples/scenes/cornell_point.gltf" good.gltf
     "$SRC/tests/cli/make_image" good.exr 16x16 R='x/w' G='y/h' B='noise()'
     "$SRC/tests/cli/make_image" reference.exr 16x16 R='x/w' G='y/h' B='0.5'
 }
@@ -23,9 +24,25 @@ tool_img_spectrum() {
 }
 
 tool_bn_render() {
-    command "$SRC/examples/scenes/cornell_point.gltf" --size 16x16 -o @OUT@
+    command --size 16x16 -o @OUT@ good.gltf
     output exr
-    slow "$SRC/examples/scenes/cornell_point.gltf" --size 512x512 --spp 64 -o @OUT@
+    slow --size 512x512 --spp 4096 -o @OUT@ good.gltf
+}
+
+tool_bn_mask() {
+    command --size 16x16 -o @OUT@
+    output exr
+    slow --size 3000x3000 -o @OUT@
+}
+
+tool_bn_anneal() {
+    command good.exr --channel B --radius 2 -o @OUT@
+    output exr
+}
+
+tool_bn_permute() {
+    command --image good.exr --mask reference.exr --channel R -o @OUT@
+    output exr
 }
 
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).

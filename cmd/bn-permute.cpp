@@ -1,0 +1,214 @@
+// bn-permute: the seed texture of the next frame, from a frame by any renderer and its seeds.
+#include "bluenoise/permute.h"
+#include "cli/tool.h"
+
+#include <algorithm>
+
+using namespace ql;
+
+namespace {
+
+struct Options {
+    std::string image, seeds, mask, channel, motion, depth, next, similar, output;
+    std::vector<std::string> retarget;
+    std::string offsets = "lattice", reproject = "off";
+    int64_t frame = 0;
+    bool jitter = false;
+    PermuteConfig permute;
+    FileFormat format = FileFormat::by_extension;
+};
+
+void add_options(cli::Tool& tool, Options& options) {
+    const auto file = [&](const char* name, auto& path, const char* what) {
+        return tool.app.add_option(name, path, what)->type_name("FILE");
+    };
+    file("--image", options.image, "Frame as rendered: linear, not accumulated")->required();
+    file("--mask", options.mask, "Mask, PNG or EXR")->required();
+    tool.app.add_option("--channel", options.channel, "Channel of the mask, if it has several");
+    file("--seeds", options.seeds, "Seeds of the frame, channel seed; without: fresh ones");
+    file("--retarget", options.retarget, "Textures of bn-anneal for this mask");
+    tool.app.add_option("--frame", options.frame, "Number of the frame")
+        ->check(CLI::Range(int64_t(0), int64_t(1) << 31));
+    tool.app.add_option("--offsets", options.offsets, "How the mask moves from frame to frame")
+        ->check(CLI::IsMember({"lattice", "r2", "thesis"}));
+    tool.app
+        .add_option("--block", options.permute.block_px,
+                    "Side of the blocks that are sorted, pixels; 1: no sort")
+        ->check(CLI::Range(1, 64));
+    tool.app.add_flag("--block-jitter", options.jitter, "Another lattice of blocks each frame");
+    tool.app.add_option("--reproject", options.reproject, "Follow motion: of the image or by tile")
+        ->check(CLI::IsMember({"off", "image", "tile"}));
+    file("--motion", options.motion,
+         "Motion to the next frame, channels motion.X motion.Y, pixels");
+    file("--depth", options.depth, "Depth Z with camera matrices in the header; needs --next");
+    file("--next", options.next, "Any image with the next frame's camera matrices");
+    file("--similar", options.similar,
+         "Sort among like surfaces only: channels id, N.X N.Y N.Z, albedo.R albedo.G albedo.B");
+    tool.app
+        .add_option("--refresh", options.permute.refresh_frames,
+                    "Fresh seeds for every K-th frame; 0: never")
+        ->check(CLI::NonNegativeNumber);
+    tool.add_seed(options.permute.seed);
+    tool.add_output(options.output, "Seeds of the next frame, .exr");
+    tool.add_format(options.format);
+}
+
+void check_combination(Options& options) {
+    const bool moving = !options.motion.empty() || !options.depth.empty();
+    if (options.reproject != "off" && !moving)
+        throw usage_error("--reproject needs --motion, or --depth and --next");
+    if (options.reproject == "off" && moving)
+        throw usage_error("--motion and --depth need --reproject image or tile");
+    if (!options.motion.empty() && !options.depth.empty())
+        throw usage_error("--motion and --depth exclude each other");
+    if (options.depth.empty() != options.next.empty())
+        throw usage_error("--depth and --next need each other");
+    if (options.reproject != "off" && options.retarget.empty())
+        throw usage_error("--reproject needs --retarget");
+    if (file_format(options.output, options.format) != FileFormat::exr)
+        throw usage_error("{}: seeds are written as EXR", options.output);
+    options.permute.block_jitter = options.jitter ? BlockJitter::on : BlockJitter::off;
+    if (options.reproject == "image") options.permute.reproject = ReprojectMode::image;
+    if (options.reproject == "tile") options.permute.reproject = ReprojectMode::tile;
+}
+
+OffsetKind offset_kind(const std::string& name) {
+    return name == "r2"       ? OffsetKind::r2
+           : name == "thesis" ? OffsetKind::thesis
+                              : OffsetKind::lattice;
+}
+
+void check_size(const Image& image, int width, int height, const std::string& path) {
+    if (image.width != width || image.height != height)
+        throw input_error("{}: {} x {} pixels, expected {} x {}", path, image.width, image.height,
+                          width, height);
+}
+
+const Imath::M44f& matrix(const Image& image, const char* key, const std::string& path) {
+    if (const auto* m = image.find_metadata<Imath::M44f>(key)) return *m;
+    throw input_error("{}: no {} in the header", path, key);
+}
+
+// Depth of pixels without a surface may be infinite.
+ImageReadConfig guide_config() {
+    ImageReadConfig config;
+    config.non_finite = NonFinite::keep;
+    return config;
+}
+
+std::optional<MotionPlanes> read_motion(const Options& options, int width, int height,
+                                        cli::Session& session) {
+    if (!options.motion.empty()) {
+        const Image image = session.read_image(options.motion, guide_config());
+        check_size(image, width, height, options.motion);
+        const auto motion = motion_planes(image);
+        if (!motion)
+            throw input_error("{}: channels {}, expected motion.X and motion.Y", options.motion,
+                              image.channel_names());
+        return motion;
+    }
+    if (options.depth.empty()) return std::nullopt;
+    const Image image = session.read_image(options.depth, guide_config());
+    check_size(image, width, height, options.depth);
+    const Array2D<float>* depth = image.find("Z");
+    if (!depth)
+        throw input_error("{}: channels {}, expected Z", options.depth, image.channel_names());
+    const Image next = session.read_image(options.next, guide_config());
+    return camera_motion(*depth, matrix(image, "worldToCamera", options.depth),
+                         matrix(image, "worldToNDC", options.depth),
+                         matrix(next, "worldToNDC", options.next));
+}
+
+Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
+                                cli::Session& session) {
+    if (options.similar.empty()) return {};
+    const Image image = session.read_image(options.similar);
+    check_size(image, width, height, options.similar);
+    Array2D<uint32_t> surfaces = surface_numbers(image);
+    if (surfaces.empty())
+        throw input_error("{}: channels {}, expected id, N.X N.Y N.Z or albedo.R albedo.G albedo.B",
+                          options.similar, image.channel_names());
+    return surfaces;
+}
+
+Array2D<uint32_t> read_seeds(const Options& options, const Permuter& permuter,
+                             cli::Session& session) {
+    if (options.seeds.empty()) return permuter.fresh_seeds(options.frame);
+    const Image image = session.read_image(options.seeds);
+    const Array2D<uint32_t>* seeds = image.find_uint("seed");
+    if (!seeds)
+        throw input_error("{}: channels {}, expected an unsigned channel 'seed'", options.seeds,
+                          image.channel_names());
+    try {
+        return permuter.padded_seeds(*seeds, options.frame);
+    } catch (const Error& error) {
+        throw Error(error.kind(), options.seeds + ": " + error.what());
+    }
+}
+
+bool is_permutation_of(const Array2D<uint32_t>& a, const Array2D<uint32_t>& b) {
+    std::vector<uint32_t> left = a.values(), right = b.values();
+    std::sort(left.begin(), left.end());
+    std::sort(right.begin(), right.end());
+    return left == right;
+}
+
+void run(Options& options, cli::Session& session) {
+    check_combination(options);
+
+    // Read the frame, the mask and the textures
+    const Image image = session.read_image(options.image);
+    const Array2D<float> intensity = intensity_plane(image, options.image);
+    const Mask mask =
+        mask_from_image(session.read_image(options.mask), options.channel, options.mask);
+    std::vector<RetargetTexture> textures;
+    for (const std::string& path : options.retarget)
+        for (RetargetTexture& texture : retarget_textures(session.read_image_parts(path), path))
+            textures.push_back(std::move(texture));
+    options.permute.offsets = permute_offsets(offset_kind(options.offsets), mask, textures);
+    const Permuter permuter(mask, std::move(textures), options.permute, image.width, image.height);
+    const Array2D<uint32_t> seeds = read_seeds(options, permuter, session);
+    const auto motion = read_motion(options, image.width, image.height, session);
+    const FrameGuides guides{&intensity, motion ? &*motion : nullptr,
+                             read_surfaces(options, image.width, image.height, session)};
+
+    // Permute
+    Image result(permuter.padded_width(), permuter.padded_height());
+    {
+        const auto timer = session.phase("permute");
+        result.uint_plane("seed") =
+            permuter.next_seeds(seeds, options.frame, guides, session.workers());
+    }
+    const Array2D<uint32_t>& next = *result.find_uint("seed");
+    const int refresh = options.permute.refresh_frames;
+    const bool refreshed = refresh > 0 && (options.frame + 1) % refresh == 0;
+    const bool bijection = is_permutation_of(seeds, next);
+    QL_CHECK(bijection || refreshed);
+
+    // Write the seeds
+    result.metadata["ql:frame"] = fmt::to_string(options.frame + 1);
+    result.metadata["ql:image_size"] = fmt::format("{}x{}", image.width, image.height);
+    ImageWriteConfig write = session.image_config();
+    write.format = options.format;
+    session.write_image(options.output, result, write);
+    const Imath::V2i step = retarget_step(options.permute.offsets, options.frame);
+    const Imath::V2i shift = permuter.image_motion(guides);
+    cli::Json& json = session.stats().result;
+    json["bijection"] = bijection;
+    json["refreshed"] = refreshed;
+    json["padded_size"] = {permuter.padded_width(), permuter.padded_height()};
+    json["mask_step"] = {step.x, step.y};
+    json["image_motion"] = {shift.x, shift.y};
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    cli::Tool tool({"bn-permute",
+                    "Moves the seeds of a frame so that the next frame's error is blue noise.",
+                    "bn-permute --image 0007.exr --seeds s7.exr --mask mask.png --retarget r.exr "
+                    "--frame 7 -o s8.exr"});
+    Options options;
+    add_options(tool, options);
+    return tool.main(argc, argv, [&](cli::Session& session) { run(options, session); });
+}

@@ -1,0 +1,62 @@
+#include "reference/permute_reference.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <vector>
+
+namespace ql::reference {
+
+namespace {
+
+struct Pixel {
+    float intensity;
+    uint32_t mask;
+    int x, y;
+};
+
+int floor_div(int a, int b) {
+    return (a - wrap(a, b)) / b;
+}
+
+} // namespace
+
+Array2D<uint32_t> sorted_seeds(const Array2D<uint32_t>& seeds, const Array2D<float>& intensities,
+                               const Array2D<uint32_t>& mask, const Array2D<uint32_t>& surfaces,
+                               int block, Imath::V2i origin, Imath::V2i mask_offset) {
+    // Collect the pixels of each block and surface
+    std::map<std::tuple<int, int, uint32_t>, std::vector<Pixel>> groups;
+    for (int y = 0; y < intensities.height(); ++y)
+        for (int x = 0; x < intensities.width(); ++x) {
+            const uint32_t surface = surfaces.empty() ? 0 : surfaces(x, y);
+            const uint32_t value =
+                mask(wrap(x + mask_offset.x, mask.width()), wrap(y + mask_offset.y, mask.height()));
+            groups[{floor_div(x - origin.x, block), floor_div(y - origin.y, block), surface}]
+                .push_back({intensities(x, y), value, x, y});
+        }
+    Array2D<uint32_t> result = seeds;
+    for (const auto& [key, pixels] : groups) {
+        std::vector<Pixel> by_intensity = pixels, by_mask = pixels;
+        std::sort(by_intensity.begin(), by_intensity.end(),
+                  [](const Pixel& a, const Pixel& b) { return a.intensity < b.intensity; });
+        std::sort(by_mask.begin(), by_mask.end(),
+                  [](const Pixel& a, const Pixel& b) { return a.mask < b.mask; });
+        for (size_t k = 0; k < pixels.size(); ++k)
+            result(by_mask[k].x, by_mask[k].y) = seeds(by_intensity[k].x, by_intensity[k].y);
+    }
+    return result;
+}
+
+Array2D<uint32_t> retargeted_seeds(const Array2D<uint32_t>& seeds, const Array2D<Imath::V2i>& moves,
+                                   Imath::V2i mask_offset) {
+    Array2D<uint32_t> result(seeds.width(), seeds.height());
+    for (int y = 0; y < seeds.height(); ++y)
+        for (int x = 0; x < seeds.width(); ++x) {
+            const Imath::V2i move = moves(wrap(x + mask_offset.x, moves.width()),
+                                          wrap(y + mask_offset.y, moves.height()));
+            result(wrap(x + move.x, seeds.width()), wrap(y + move.y, seeds.height())) = seeds(x, y);
+        }
+    return result;
+}
+
+} // namespace ql::reference
