@@ -105,7 +105,7 @@ std::vector<RadialBin> radial_profile(const Spectrum& spectrum) {
         Sum sum, squares;
         int samples = 0;
     };
-    std::vector<Ring> rings(size_t(side));
+    std::vector<Ring> rings(static_cast<size_t>(side));
     const auto visit = [&](const auto& add) {
         for_each_frequency(spectrum, [&](double squared, double power) {
             const auto ring = size_t(std::lround(std::sqrt(squared) * side));
