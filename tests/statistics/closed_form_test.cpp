@@ -129,11 +129,9 @@ TEST(closed_form, emissive_triangle) {
         for (const auto& [x, y] : kPlaces) {
             const V3d p(x, y, 0);
             RenderConfig config;
-            config.spp = 2048;
-            if (sampling == LightSampling::mis) {
-                if (std::abs(x) > 0.5) continue; // two places, for more samples each
-                config.spp = 32768;
-            }
+            config.spp = 16384;
+            // Two places are enough for the slower strategy.
+            if (sampling == LightSampling::mis && std::abs(x) > 0.5) continue;
             config.path.max_depth = 1;
             config.path.light_sampling = sampling;
             const View above{p + V3d(0.02, 0.03, 0.5), p, 0.002, 8, 8};
@@ -158,12 +156,12 @@ TEST(closed_form, blended_screen_passes_its_share_of_light) {
         config.spp = 4096;
         config.path.max_depth = 1;
         const V3d below(0.2, 0.05, 0); // not under the diagonal of the screen
-        const View below_screen{below + V3d(0.02, 0.03, 0.5), below, 0.002, 16, 16};
+        const View below_screen{below + V3d(0.02, 0.03, 0.5), below, 0.002, 8, 8};
         const FrameResult result = render_scene(plane.builder.scene, below_screen, config);
         const double distance = V3d(0.2, 0.05, 2).length();
         const double expected = double(kAlbedo.x) / kPiD * 7 * 2 /
                                 (distance * distance * distance) * (1 - double(alpha));
-        EXPECT_NEAR(mean_of(result.image, "R"), expected, 3e-3 * (expected + 1e-9));
+        EXPECT_NEAR(mean_of(result.image, "R"), expected, 5e-3 * (expected + 1e-9));
     }
 }
 
