@@ -82,13 +82,32 @@ void shape_bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     bounds.upper_z = above(box.max.z);
 }
 
-std::optional<QuadricHit> shape_hit(const Surface& surface, RTCRayN* ray, unsigned n) {
+bool needs_alpha_test(const Material& material) {
+    return material.alpha_mode != AlphaMode::opaque;
+}
+
+// The nearest crossing that is solid; each crossing is a decision of its own.
+std::optional<QuadricHit> shape_hit(const RayContext& context, uint32_t index, RTCRayN* ray,
+                                    unsigned n) {
+    const EmbreeScene::Impl& scene = *context.scene;
+    const Surface& surface = scene.world->surfaces[index];
     const V3d origin(RTCRayN_org_x(ray, n, 0), RTCRayN_org_y(ray, n, 0), RTCRayN_org_z(ray, n, 0));
     const V3d direction(RTCRayN_dir_x(ray, n, 0), RTCRayN_dir_y(ray, n, 0),
                         RTCRayN_dir_z(ray, n, 0));
-    return intersect_shape(*surface.implicit, surface.body_from_render.point(origin),
-                           surface.body_from_render.vector(direction),
-                           double(RTCRayN_tnear(ray, n, 0)), double(RTCRayN_tfar(ray, n, 0)));
+    const V3d from = surface.body_from_render.point(origin);
+    const V3d along = surface.body_from_render.vector(direction);
+    const double t_far = double(RTCRayN_tfar(ray, n, 0));
+    double t_near = double(RTCRayN_tnear(ray, n, 0));
+    const bool solid = !scene.alpha_test ||
+                       !needs_alpha_test(scene.world->scene->materials[size_t(surface.material)]);
+    for (uint32_t crossing = 0;; ++crossing) {
+        const auto hit = intersect_shape(*surface.implicit, from, along, t_near, t_far);
+        if (!hit || solid ||
+            scene.alpha_test->is_solid(*scene.world, index, 0, hit->uv.x, hit->uv.y,
+                                       alpha_random(context.alpha_key, index, crossing)))
+            return hit;
+        t_near = hit->t;
+    }
 }
 
 void intersect_shape_callback(const RTCIntersectFunctionNArguments* arguments) {
@@ -97,7 +116,8 @@ void intersect_shape_callback(const RTCIntersectFunctionNArguments* arguments) {
     const auto& surface = *static_cast<const Surface*>(arguments->geometryUserPtr);
     RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
     RTCHitN* hit = RTCRayHitN_HitN(arguments->rayhit, arguments->N);
-    const auto found = shape_hit(surface, ray, arguments->N);
+    const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
+    const auto found = shape_hit(context, arguments->geomID, ray, arguments->N);
     if (!found) return;
     const Imath::M33f& m = surface.render_from_normal;
     const V3f n(found->normal);
@@ -114,8 +134,8 @@ void intersect_shape_callback(const RTCIntersectFunctionNArguments* arguments) {
 
 void occluded_shape_callback(const RTCOccludedFunctionNArguments* arguments) {
     if (arguments->valid[0] == 0) return;
-    const auto& surface = *static_cast<const Surface*>(arguments->geometryUserPtr);
-    if (shape_hit(surface, arguments->ray, arguments->N))
+    const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
+    if (shape_hit(context, arguments->geomID, arguments->ray, arguments->N))
         RTCRayN_tfar(arguments->ray, 1, 0) = -kInfinity;
 }
 
@@ -136,10 +156,6 @@ RTCScene new_scene(RTCDevice device) {
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
     return scene;
-}
-
-bool needs_alpha_test(const Material& material) {
-    return material.alpha_mode != AlphaMode::opaque;
 }
 
 void attach(RTCScene scene, RTCGeometry geometry, uint32_t id) {

@@ -18,7 +18,7 @@ namespace ql {
 class AlphaTest {
   public:
     virtual ~AlphaTest() = default;
-    // u, v: barycentric; random: uniform in [0, 1).
+    // u, v: barycentric, on shapes those of the texture; random: uniform in [0, 1).
     virtual bool is_solid(const World& world, uint32_t surface, uint32_t primitive, float u,
                           float v, float random) const = 0;
 };

@@ -105,12 +105,34 @@ std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d&
     if (shape.kind == ImplicitShape::Kind::sphere)
         return intersect_sphere(shape, origin, direction, t_near, t_far);
     const ConeProfile cone = profile_of(shape);
+    // As for the sphere, start at the point of the line nearest to the centre.
+    const double t_closest = -origin.dot(direction) / direction.dot(direction);
+    const V3d closest = origin + direction * t_closest;
+    const double from = t_near - t_closest, to = t_far - t_closest;
     std::optional<QuadricHit> nearest;
-    intersect_side(cone, origin, direction, t_near, t_far, nearest);
-    intersect_disc(-cone.half_height, cone.bottom, -1, origin, direction, t_near, t_far, nearest);
-    intersect_disc(cone.half_height, double(shape.radius_top), 1, origin, direction, t_near, t_far,
+    intersect_side(cone, closest, direction, from, to, nearest);
+    intersect_disc(-cone.half_height, cone.bottom, -1, closest, direction, from, to, nearest);
+    intersect_disc(cone.half_height, double(shape.radius_top), 1, closest, direction, from, to,
                    nearest);
+    if (nearest) nearest->t += t_closest;
     return nearest;
+}
+
+V3d off_cone_rim(const ImplicitShape& shape, const V3d& p, double margin) {
+    const ConeProfile cone = profile_of(shape);
+    const double side = p.y < 0 ? -1 : 1;
+    const double ring = std::hypot(p.x, p.z);
+    const double rim = cone.radius(side * cone.half_height);
+    const double below_end = cone.half_height - std::abs(p.y);
+    if (below_end >= margin || rim - ring >= margin) return p;
+    // On the end disc go inwards, on the side towards the middle.
+    if (std::abs(below_end) < std::abs(cone.radius(p.y) - ring)) {
+        const double shrink = ring > 0 ? std::max(0.0, rim - margin) / ring : 1;
+        return {p.x * shrink, p.y, p.z * shrink};
+    }
+    const double y = side * std::max(0.0, cone.half_height - margin);
+    const double shrink = ring > 0 ? std::max(0.0, cone.radius(y)) / ring : 1;
+    return {p.x * shrink, y, p.z * shrink};
 }
 
 V3d half_extent(const ImplicitShape& shape) {

@@ -20,6 +20,10 @@ struct QuadricHit {
 std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d& origin,
                                           const V3d& direction, double t_near, double t_far);
 
+// A point on a cone, moved along its surface until it is `margin` away from the rims, or where it
+// is.
+V3d off_cone_rim(const ImplicitShape& cone, const V3d& p, double margin);
+
 // Half the extent of the shape's box in its own space.
 V3d half_extent(const ImplicitShape& shape);
 

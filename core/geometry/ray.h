@@ -34,8 +34,8 @@ struct Hit {
 };
 
 // A position's rounding error, and that of the ray-triangle test near it, in units of the largest
-// coordinate of the primitive. 2^-24 is half an ulp of 1; the factor was found with 1e8 rays in
-// closed boxes (tests/statistics/leak_test.cpp) and carries a margin of two over what they need.
+// coordinate of the primitive. 2^-24 is half an ulp of 1. Of 1e8 rays in closed shapes about 1e5
+// met their own wall at a factor of 2, 41 at 4, and none at 8 (tests/bench/leak_bench).
 inline constexpr float kOffsetFactor = 8.0f * 0x1p-24f;
 
 // The point from which a ray into the half space of `direction` starts: p moved off its surface

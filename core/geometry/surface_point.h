@@ -47,6 +47,30 @@ T interpolated(const std::vector<T>& values, const std::array<uint32_t, 3>& tria
     return values[triangle[0]] * (1 - u - v) + values[triangle[1]] * u + values[triangle[2]] * v;
 }
 
+// Positions on an edge may by rounding lie behind the surface that meets there, and rays from them
+// would leave a closed room: keep as far off each edge as rays start off the surface. Edges are in
+// render space, twice_area is the length of their cross product.
+inline void move_off_edges(const V3f& edge1, const V3f& edge2, float twice_area, float offset,
+                           Hit& hit) {
+    const float least = offset / twice_area;
+    constexpr float kThird = 1.0f / 3;
+    const float b0 =
+        std::max(1 - hit.u - hit.v, std::min(kThird, least * (edge2 - edge1).length()));
+    const float b1 = std::max(hit.u, std::min(kThird, least * edge2.length()));
+    const float b2 = std::max(hit.v, std::min(kThird, least * edge1.length()));
+    const float scale = 1 / (b0 + b1 + b2);
+    hit.u = b1 * scale;
+    hit.v = b2 * scale;
+}
+
+// Whether a hit is so close to an edge that this could matter; on the safe side.
+inline bool is_near_edge(const V3f& edge1, const V3f& edge2, float twice_area, float offset,
+                         const Hit& hit) {
+    const float reach = std::abs(edge1.x) + std::abs(edge1.y) + std::abs(edge1.z) +
+                        std::abs(edge2.x) + std::abs(edge2.y) + std::abs(edge2.z);
+    return !(std::min({hit.u, hit.v, 1 - hit.u - hit.v}) * twice_area > offset * reach);
+}
+
 inline void add_shading_normal(const Surface& surface, const Mesh& mesh,
                                const std::array<uint32_t, 3>& triangle, const Hit& hit,
                                SurfacePoint& point) {
@@ -95,24 +119,36 @@ inline void add_texture_coordinates(const Surface& surface, const Mesh& mesh,
         V4f(direction.x, direction.y, direction.z, (t.w < 0 ? -1.0f : 1.0f) * surface.winding);
 }
 
+// The same at the rims of a cone.
+void move_off_rim(const Surface& surface, SurfacePoint& point);
+
 template<uint32_t Attributes>
-void fill_triangle(const World& world, const Surface& surface, const Hit& hit,
-                   SurfacePoint& point) {
+void fill_triangle(const World& world, const Surface& surface, Hit hit, SurfacePoint& point) {
     const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
     const auto& triangle = mesh.triangles[hit.primitive];
     const std::vector<V3f>& positions = surface.body->positions;
     const V3f &p0 = positions[triangle[0]], &p1 = positions[triangle[1]],
               &p2 = positions[triangle[2]];
-    const V3f p = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v;
+    const V3f edge1 = p1 - p0, edge2 = p2 - p0;
+    const float twice_area = hit.ng.length();
+    const auto at = [&] { return p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v; };
     if (!surface.instanced) {
-        point.position = p;
-        point.ng = hit.ng * (surface.winding / hit.ng.length());
         point.offset = kOffsetFactor * std::max({largest_coordinate(p0), largest_coordinate(p1),
                                                  largest_coordinate(p2)});
+        if (is_near_edge(edge1, edge2, twice_area, point.offset, hit)) [[unlikely]]
+            move_off_edges(edge1, edge2, twice_area, point.offset, hit);
+        point.position = at();
+        point.ng = hit.ng * (surface.winding / twice_area);
     } else {
-        point.position = V3f(surface.render_from_body.point(V3d(p)));
-        point.ng = transformed(surface.render_from_normal, hit.ng).normalized();
         point.offset = surface.offset;
+        if (is_near_edge(edge1, edge2, twice_area, point.offset * surface.body_per_render, hit))
+            [[unlikely]] {
+            const V3d e1 = surface.render_from_body.vector(V3d(edge1));
+            const V3d e2 = surface.render_from_body.vector(V3d(edge2));
+            move_off_edges(V3f(e1), V3f(e2), float(e1.cross(e2).length()), point.offset, hit);
+        }
+        point.position = V3f(surface.render_from_body.point(V3d(at())));
+        point.ng = transformed(surface.render_from_normal, hit.ng).normalized();
     }
     point.ns = point.ng;
     if constexpr (Attributes & kAttributeNormals)
@@ -139,6 +175,7 @@ SurfacePoint surface_point(const World& world, const Ray& ray, const Hit& hit) {
     point.ns = point.ng;
     // The position follows the ray: its error also grows with the way the ray has come.
     point.offset = surface.offset + 2 * kOffsetFactor * hit.t * ray.direction.length();
+    if (surface.kind == Surface::Kind::cone) detail::move_off_rim(surface, point);
     if constexpr (Attributes & kAttributeTextures) point.uv[0] = point.uv[1] = V2f(hit.u, hit.v);
     return point;
 }

@@ -1,6 +1,7 @@
 #include "geometry/world.h"
 
 #include "geometry/quadric.h"
+#include "geometry/surface_point.h"
 
 #include <algorithm>
 #include <cmath>
@@ -98,6 +99,22 @@ Affine render_from_world(const RenderSpace& space) {
     return transform;
 }
 
+// The Frobenius norm: an upper bound of how much longer a vector can get.
+float largest_stretch(const Affine& transform) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            sum += transform.linear[i][j] * transform.linear[i][j];
+    return float(std::sqrt(sum));
+}
+
+// Embree transforms rays by the inverse in float: no good for nodes that squash a mesh to a sheet.
+bool has_float_inverse(const Affine& transform) {
+    constexpr double kMinRatio = 1e-5; // of the volume to that of the cube of its longest side
+    const double stretch = double(largest_stretch(transform));
+    return std::abs(transform.linear.determinant()) > kMinRatio * stretch * stretch * stretch;
+}
+
 struct Posing {
     const Scene& scene;
     const std::vector<int> uses;
@@ -121,8 +138,9 @@ Surface mesh_surface(Posing& posing, int node, int mesh_index, const Affine& ren
     Surface surface = common_surface(node, render_from_node);
     surface.mesh = mesh_index;
     surface.material = mesh.material;
-    surface.instanced =
-        posing.uses[size_t(mesh_index)] > 1 && mesh.triangles.size() >= kMinSharedTriangles;
+    surface.instanced = posing.uses[size_t(mesh_index)] > 1 &&
+                        mesh.triangles.size() >= kMinSharedTriangles &&
+                        has_float_inverse(render_from_node);
     if (!surface.instanced) {
         surface.body = transformed_body(mesh, render_from_node);
         return surface;
@@ -132,6 +150,7 @@ Surface mesh_surface(Posing& posing, int node, int mesh_index, const Affine& ren
     if (!shared) shared = transformed_body(mesh, to_body);
     surface.body = shared;
     surface.render_from_body = compose(render_from_node, inverse(to_body));
+    surface.body_per_render = largest_stretch(inverse(surface.render_from_body));
     const Box3d bounds = mesh_bounds(mesh, render_from_node);
     // Embree transforms the ray: its error scales with the instance and with where it is.
     surface.offset = 2 * kOffsetFactor * std::max(largest_coordinate(bounds), 1e-6f);
@@ -149,6 +168,7 @@ Surface shape_surface(const Scene& scene, int node, int shape_index,
     surface.material = shape.material;
     surface.render_from_body = render_from_node;
     surface.body_from_render = inverse(render_from_node);
+    surface.body_per_render = largest_stretch(surface.body_from_render);
     const Box3d bounds = shape_bounds(shape, render_from_node);
     surface.offset = kOffsetFactor * std::max(largest_coordinate(bounds), 1e-6f);
     return surface;
@@ -165,6 +185,13 @@ V3d Affine::vector(const V3d& v) const {
     return {linear[0][0] * v.x + linear[0][1] * v.y + linear[0][2] * v.z,
             linear[1][0] * v.x + linear[1][1] * v.y + linear[1][2] * v.z,
             linear[2][0] * v.x + linear[2][1] * v.y + linear[2][2] * v.z};
+}
+
+void detail::move_off_rim(const Surface& surface, SurfacePoint& point) {
+    const V3d p = surface.body_from_render.point(V3d(point.position));
+    const double margin = double(point.offset * surface.body_per_render);
+    const V3d moved = off_cone_rim(*surface.implicit, p, margin);
+    if (moved != p) point.position = V3f(surface.render_from_body.point(moved));
 }
 
 Affine inverse(const Affine& transform) {

@@ -62,6 +62,8 @@ struct Surface {
     Imath::M33f render_from_tangent;
     float winding = 1; // -1 where the node mirrors: the front is the other side
     float offset = 0;  // ray offset of instances and shapes, see kOffsetFactor
+    // Instances and shapes: at most this many lengths of the body make one render length.
+    float body_per_render = 1;
 };
 
 struct World {

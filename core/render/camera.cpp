@@ -59,15 +59,19 @@ PixelCamera::Projection PixelCamera::project(const V3d& world_point) const {
     return {(sx + 1) / 2 * m_width, (1 - sy) / 2 * m_height, z};
 }
 
-Imath::M44f PixelCamera::world_to_camera() const {
-    Imath::M44f m;
+M44d PixelCamera::camera_from_world() const {
+    M44d m;
     const V3d axes[3] = {m_right, m_up, m_forward};
     for (int column = 0; column < 3; ++column) {
         for (int row = 0; row < 3; ++row)
-            m[row][column] = float(axes[column][row]);
-        m[3][column] = float(-m_eye.dot(axes[column]));
+            m[row][column] = axes[column][row];
+        m[3][column] = -m_eye.dot(axes[column]);
     }
     return m;
+}
+
+Imath::M44f PixelCamera::world_to_camera() const {
+    return Imath::M44f(camera_from_world());
 }
 
 Imath::M44f PixelCamera::world_to_ndc() const {
@@ -84,7 +88,7 @@ Imath::M44f PixelCamera::world_to_ndc() const {
         clip[2][3] = 1;
         clip[3][3] = 0;
     }
-    const M44d product = M44d(world_to_camera()) * clip;
+    const M44d product = camera_from_world() * clip;
     return Imath::M44f(product);
 }
 

@@ -32,6 +32,8 @@ class PixelCamera {
     Imath::M44f world_to_ndc() const;
 
   private:
+    M44d camera_from_world() const;
+
     RenderSpace m_space;
     V3d m_eye;                          // world
     V3d m_right, m_up, m_forward;       // unit, world

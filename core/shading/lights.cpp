@@ -47,7 +47,8 @@ int brightness_exponent(const World& world) {
         if (material.model == MaterialModel::unlit)
             brightest = std::max(brightest, largest(V3d(material.base_color)));
     }
-    return brightest > 0 ? std::ilogb(brightest) : 0;
+    // Within what float holds on both sides of 1: then 2^-k times a light that is 0 is 0, not NaN.
+    return brightest > 0 ? std::clamp(std::ilogb(brightest), -120, 120) : 0;
 }
 
 } // namespace
@@ -131,8 +132,9 @@ void LightSet::add_triangles(const World& world) {
             triangle.surface = s;
             triangle.primitive = t;
             triangle.double_sided = material.double_sided;
-            triangle.textured =
-                material.emission_texture.used() || material.model == MaterialModel::unlit;
+            triangle.textured = material.emission_texture.used() ||
+                                material.model == MaterialModel::unlit ||
+                                material.alpha_mode != AlphaMode::opaque;
             m_triangles.push_back(triangle);
         }
     }
@@ -164,10 +166,11 @@ V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) co
     const Surface& surface = m_world->surfaces[triangle.surface];
     const Material& material = scene.materials[size_t(surface.material)];
     if (!triangle.textured) return material.emission * m_stored_from_real;
-    return emission_at<true>(
-               scene.textures, material,
-               surface_input_at(*m_world, triangle.surface, triangle.primitive, b1, b2)) *
-           m_stored_from_real;
+    const SurfaceInput input =
+        surface_input_at(*m_world, triangle.surface, triangle.primitive, b1, b2);
+    // No ray decides here whether the surface is there: its mean counts.
+    return emission_at<true>(scene.textures, material, input) *
+           (alpha_at<true>(scene.textures, material, input) * m_stored_from_real);
 }
 
 std::optional<LightSample> LightSet::sample(const V3f& from, double u_pick, V2f u) const {
@@ -216,7 +219,9 @@ std::optional<LightSample> LightSet::sample_triangle(const Triangle& triangle, c
     const float cosine = -sample.direction.dot(triangle.normal);
     if (cosine == 0 || (cosine < 0 && !triangle.double_sided)) return std::nullopt;
     sample.distant = false;
-    sample.target = offset_origin(at, triangle.normal, triangle.offset, -sample.direction);
+    // Where a ray meets the light is as uncertain as the coordinates of both of its ends.
+    const float offset = triangle.offset + kOffsetFactor * detail::largest_coordinate(from);
+    sample.target = offset_origin(at, triangle.normal, offset, -sample.direction);
     sample.pdf_solid_angle = probability * distance2 / (std::abs(cosine) * triangle.area);
     if (!std::isfinite(sample.pdf_solid_angle)) return std::nullopt;
     sample.weight = triangle_radiance(triangle, b.x, b.y) / sample.pdf_solid_angle;

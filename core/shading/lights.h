@@ -56,7 +56,7 @@ class LightSet {
         float offset;
         uint32_t surface, primitive;
         bool double_sided;
-        bool textured;
+        bool textured; // radiance differs from place to place, or is thinned by alpha
     };
 
     void add_punctual(const World& world);

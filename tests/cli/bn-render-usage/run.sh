@@ -1,0 +1,24 @@
+# Each wrong call: one line, exit status 2, no file.
+scene=$SRC/examples/scenes/cornell_point.gltf
+refused() {
+    bn-render "$@" && echo "not refused: $*"
+    status=$?
+    [ $status -eq 2 ] || echo "status $status: $*"
+}
+refused "$scene"
+refused -o image.exr
+refused "$scene" --frames 0-1 -o image.exr
+refused "$scene" --aov depth,shine -o image.exr
+refused "$scene" --aov variance -o image.exr
+refused "$scene" --spp 0 -o image.exr
+refused "$scene" --max-depth 0 -o image.exr
+refused "$scene" --camera nobody -o image.exr
+refused "$scene" --look-from 1,2,3 -o image.exr
+refused "$scene" --look-from 1,2,3 --look-at 1,2,3 -o image.exr
+refused "$scene" --fov 180 -o image.exr
+refused "$scene" --sky 1,2 -o image.exr
+refused "$scene" --sky 1,-2,1 -o image.exr
+refused "$scene" --light-sampling luck -o image.exr
+refused "$scene" --size 0x7 -o image.exr
+refused "$scene" -o image.jpg
+ls

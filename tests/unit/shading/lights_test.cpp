@@ -1,0 +1,148 @@
+#include "shading/lights.h"
+
+#include "metrics/statistics.h"
+#include "reference/scene_builder.h"
+#include "sampling/random.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace ql {
+namespace {
+
+using namespace reference;
+
+const Workers kOne(1);
+
+World world_of(const Scene& scene) {
+    return pose_world(scene, render_space_of(scene, kOne), 0, kOne);
+}
+
+std::optional<LightSample> sample(const LightSet& lights, const V3f& from, uint32_t i) {
+    const PixelRandom random(9, i);
+    const RandomWords w = random.words(0);
+    return lights.sample(from, unit_double(w[0], w[1]), {unit_float(w[2]), unit_float(w[3])});
+}
+
+// Three triangles of different power and orientation, one with two sides.
+SceneBuilder three_emitters() {
+    SceneBuilder b;
+    Material both = emitter(V3f(2));
+    both.double_sided = true;
+    const int one_side = b.add_material(emitter(V3f(1, 2, 6)));
+    b.add_triangle({-1, 2, -1}, {1, 2, -1}, {0, 2, 1}, one_side); // normal down
+    b.add_quad({-2, -1, -2}, {1, 1, 0}, {0, 0, 2}, b.add_material(both));
+    return b;
+}
+
+TEST(lights, densities_of_samples_are_those_asked_for_later) {
+    const SceneBuilder b = three_emitters();
+    const World world = world_of(b.scene);
+    const EmbreeScene rays(world, nullptr, kOne);
+    const LightSet lights(world);
+    EXPECT_EQ(lights.triangle_count(), 3u);
+    const V3f from(V3d(world.space.from_world({0.2, 0, 0.1})));
+    int samples = 0;
+    for (uint32_t i = 0; i < 2000; ++i) {
+        const auto light = sample(lights, from, i);
+        if (!light) continue;
+        EXPECT_NEAR(light->direction.length(), 1, 1e-5f);
+        Hit hit;
+        ASSERT_TRUE(rays.intersect({from, 0, light->direction, kInfinity}, 0, hit));
+        const Ray ray{from, 0, light->direction, kInfinity};
+        const SurfacePoint at = surface_point<0>(world, ray, hit);
+        EXPECT_NEAR(lights.pdf_solid_angle(at, light->direction, hit.t) / light->pdf_solid_angle, 1,
+                    1e-3);
+        ++samples;
+    }
+    EXPECT_GT(samples, 1000);
+}
+
+// The mean of 1 / pdf over samples is the solid angle that the lights fill: by random directions.
+TEST(lights, samples_fill_the_solid_angle_of_the_emitters) {
+    const SceneBuilder b = three_emitters();
+    const World world = world_of(b.scene);
+    const EmbreeScene rays(world, nullptr, kOne);
+    const LightSet lights(world);
+    const V3f from(V3d(world.space.from_world({0.2, 0, 0.1})));
+    constexpr uint32_t kSamples = 200'000;
+    double by_lights = 0, by_directions = 0, expected = 0;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+        if (const auto light = sample(lights, from, i))
+            by_lights += double(light->weight.z) / kSamples;
+        const RandomFloats u = PixelRandom(11, i).block(1);
+        const V3f direction = square_to_uniform_sphere({u[0], u[1]});
+        Hit hit;
+        if (!rays.intersect({from, 0, direction, kInfinity}, 0, hit)) continue;
+        const Ray ray{from, 0, direction, kInfinity};
+        const SurfacePoint at = surface_point<0>(world, ray, hit);
+        const Material& m = b.scene.materials[size_t(at.material)];
+        if (at.ng.dot(direction) < 0 || m.double_sided)
+            by_directions += double(m.emission.z) * double(lights.stored_from_real()) * 4 *
+                             std::numbers::pi / kSamples;
+    }
+    expected = by_directions;
+    EXPECT_NEAR(by_lights / expected, 1, 0.02);
+}
+
+// Each light is picked in proportion to its power.
+TEST(lights, are_chosen_by_power) {
+    SceneBuilder b;
+    b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+    for (const double power : {1.0, 5.0, 0.0, 14.0})
+        b.place_light(point_light(V3d(power)), translated({power - 4, 0, 3}));
+    const LightSet lights(world_of(b.scene));
+    std::map<float, uint64_t> picks; // by x of the target
+    constexpr uint32_t kSamples = 40'000;
+    for (uint32_t i = 0; i < kSamples; ++i)
+        ++picks[sample(lights, V3f(0), i)->target.x];
+    ASSERT_EQ(picks.size(), 3u); // the dark one never
+    std::vector<uint64_t> observed;
+    for (const auto& pick : picks)
+        observed.push_back(pick.second);
+    const std::vector<double> expected = {kSamples * 0.05, kSamples * 0.25, kSamples * 0.7};
+    EXPECT_GT(chi_square_test(observed, expected).p_value, 0.001);
+}
+
+TEST(lights, sides_that_do_not_shine_are_not_sampled) {
+    SceneBuilder b;
+    b.add_triangle({-1, 2, -1}, {1, 2, -1}, {0, 2, 1}, b.add_material(emitter(V3f(1))));
+    b.add_quad({-1, -1, -1}, {1, 0, 0}, {0, 0, 1}, b.add_material(lambert(V3f(1))));
+    const World world = world_of(b.scene);
+    const LightSet lights(world);
+    const V3f below(V3d(world.space.from_world({0, 0, 0})));
+    const V3f above(V3d(world.space.from_world({0, 4, 0})));
+    for (uint32_t i = 0; i < 100; ++i) {
+        EXPECT_TRUE(sample(lights, below, i));
+        EXPECT_FALSE(sample(lights, above, i));
+    }
+}
+
+TEST(lights, spot_falloffs) {
+    EXPECT_EQ(spot_falloff(0.5f, 1, 0.6f, -1), 0);
+    EXPECT_EQ(spot_falloff(0.95f, 0.9f, 0.6f, -1), 1);
+    EXPECT_NEAR(spot_falloff(0.75f, 0.9f, 0.6f, -1), 0.25f, 1e-6f);
+    EXPECT_EQ(spot_falloff(0.5f, 1, 0.6f, 3), 0);
+    EXPECT_NEAR(spot_falloff(0.8f, 1, 0.6f, 3), 0.512f, 1e-6f);
+    EXPECT_EQ(spot_falloff(0.8f, 1, 0.6f, 0), 1);
+    EXPECT_EQ(spot_falloff(0.8f, 0.8f, 0.8f, -1), 0); // a cone without width starts at its edge
+}
+
+TEST(lights, brightness_is_kept_near_one_whatever_its_unit) {
+    for (const double intensity : {1e-45, 1e-30, 1.0, 1e30, 1e45}) {
+        SceneBuilder b;
+        b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+        b.place_light(point_light(V3d(intensity)), translated({0, 0, 2}));
+        const LightSet lights(world_of(b.scene));
+        EXPECT_TRUE(std::isnormal(lights.stored_from_real())) << intensity;
+        const auto light = sample(lights, V3f(0), 0);
+        ASSERT_TRUE(light);
+        EXPECT_TRUE(std::isfinite(light->weight.x) && light->weight.x > 0) << intensity;
+    }
+}
+
+} // namespace
+} // namespace ql
