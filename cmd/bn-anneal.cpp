@@ -1,8 +1,6 @@
 // bn-anneal: retarget textures, by an exact assignment or by simulated annealing.
-#include "bluenoise/anneal.h"
-#include "bluenoise/assignment.h"
 #include "bluenoise/offsets.h"
-#include "bluenoise/retarget_file.h"
+#include "bluenoise/retarget_solve.h"
 #include "cli/tool.h"
 
 #include <cmath>
@@ -124,31 +122,22 @@ void check_combination(Options& options) {
     if (options.anneal.snapshot_every > 0 && options.output == "-")
         throw usage_error("--snapshot needs an output file to name its files after");
     if (!options.trace.empty()) options.anneal.trace_rows = 1000;
-    options.problem.radius_px = options.radius_px;
 }
 
 std::vector<RetargetConfig> problems(const Options& options, const Mask& mask) {
     const int width = mask.values.width(), height = mask.values.height();
-    const OffsetKind kind = options.offsets == "r2"       ? OffsetKind::r2
-                            : options.offsets == "thesis" ? OffsetKind::thesis
-                                                          : OffsetKind::lattice;
-    std::vector<Imath::V2i> steps = retarget_steps(mask_offsets(kind, width, height));
+    std::vector<Imath::V2i> steps =
+        retarget_steps(mask_offsets(offset_kind(options.offsets), width, height));
     if (!options.step.empty()) {
         const Imath::V2i step = parse_pair(options.step, "--step");
         steps = {{wrap(step.x, width), wrap(step.y, height)}};
     }
-    std::vector<Imath::V2i> motions;
-    for (int my = -options.motions; my <= options.motions; ++my)
-        for (int mx = -options.motions; mx <= options.motions; ++mx)
-            motions.emplace_back(mx, my);
-    if (options.motions == 0) motions = {parse_pair(options.motion, "--motion")};
-    std::vector<RetargetConfig> configs;
-    for (const Imath::V2i& step : steps)
-        for (const Imath::V2i& motion : motions) {
-            configs.push_back(options.problem);
-            configs.back().step = step;
-            configs.back().motion = motion;
-        }
+    RetargetConfig base = options.problem;
+    base.radius_px = options.radius_px;
+    if (options.motions > 0) return retarget_set(steps, options.motions, base);
+    std::vector<RetargetConfig> configs = retarget_set(steps, 0, base);
+    for (RetargetConfig& config : configs)
+        config.motion = parse_pair(options.motion, "--motion");
     return configs;
 }
 
@@ -163,59 +152,29 @@ std::string stem(const std::string& path) {
 void write_snapshot(const Options& options, const RetargetProblem& problem, int64_t step,
                     const Moves& moves, cli::Session& session) {
     Image image(problem.width(), problem.height());
-    Array2D<float>& tile = image.plane("Y");
-    for (uint32_t i = 0; i < problem.size(); ++i)
-        tile[problem.target(i, moves[i])] =
-            float(problem.source()[i]) / float(std::max(1u, problem.levels() - 1));
+    image.plane("Y") = moved_tile(problem, moves);
     ImageWriteConfig write = session.image_config();
     write.png = problem.levels() <= 256 ? PngEncoding::linear8 : PngEncoding::linear16;
     session.write_image(fmt::format("{}_{:010}.png", stem(options.output), step), image, write);
 }
 
-std::string trace_csv(const std::vector<AnnealTraceRow>& trace) {
-    std::string text = "step,temperature,energy,acceptance";
-    for (int bin = 1; bin <= kAcceptanceBins; ++bin)
-        text += fmt::format(",worse_{}", bin);
-    const auto cell = [](double v) { return std::isnan(v) ? "" : fmt::format("{:.6g}", v); };
-    for (const AnnealTraceRow& row : trace) {
-        text += fmt::format("\n{},{:.6g},{},{}", row.step, row.temperature, row.energy,
-                            cell(row.acceptance));
-        for (const double share : row.worse)
-            text += fmt::format(",{}", cell(share));
-    }
-    return text + "\n";
-}
-
-// One texture, solved.
 RetargetTexture solve(const Options& options, const Mask& mask, const RetargetConfig& config,
                       uint64_t stream, cli::Session& session) {
-    const RetargetProblem problem(mask, config);
-    RetargetTexture texture{{}, config.step, config.motion, config.radius_px, mask.hash, {}, 0};
-    Moves moves;
-    if (options.solver == "anneal") {
-        AnnealConfig run = options.anneal;
-        run.stream = stream;
-        run.on_snapshot = [&](int64_t step, const Moves& snapshot) {
-            write_snapshot(options, problem, step, snapshot, session);
-        };
-        AnnealResult result = anneal(problem, run, session.progress());
-        moves = std::move(result.moves);
-        if (!options.trace.empty()) session.write_text(options.trace, trace_csv(result.trace));
+    if (options.solver == "exact") {
+        RetargetTexture texture = exact_retarget_texture(mask, config);
+        session.progress().advance();
+        return texture;
     }
-    int64_t bound = 0;
-    if (options.solver == "exact" || !options.no_bound) {
-        Assignment optimum = least_cost_assignment(problem);
-        bound = dual_bound(problem, optimum.prices);
-        if (options.solver == "exact") moves = std::move(optimum.moves);
-    }
-    texture.report = retarget_report(problem, moves);
-    texture.energy_bound = double(bound) / double(problem.cost_units());
-    QL_CHECK(texture.report.bijection);
-    if (options.solver == "exact") QL_CHECK_EQ(texture.report.cost, bound);
-    for (Imath::V2i& move : moves.values())
-        move += config.motion;
-    texture.moves = std::move(moves);
-    return texture;
+    AnnealConfig schedule = options.anneal;
+    schedule.stream = stream;
+    schedule.on_snapshot = [&](int64_t step, const Moves& moves) {
+        write_snapshot(options, RetargetProblem(mask, config), step, moves, session);
+    };
+    const BoundMode bound = options.no_bound ? BoundMode::none : BoundMode::exact;
+    AnnealedTexture annealed =
+        annealed_retarget_texture(mask, config, schedule, bound, session.progress());
+    if (!options.trace.empty()) session.write_text(options.trace, trace_csv(annealed.run.trace));
+    return annealed.texture;
 }
 
 cli::Json texture_result(const Options& options, const RetargetTexture& texture,
@@ -304,7 +263,6 @@ void run(Options& options, cli::Session& session) {
                                  configs.size() * uint64_t(annealing ? steps : 1));
         session.workers().for_each(configs.size(), [&](size_t i) {
             textures[i] = solve(options, mask, configs[i], i, session);
-            if (!annealing) session.progress().advance();
         });
         session.progress().finish();
     }

@@ -72,10 +72,15 @@ void check_combination(Options& options) {
     if (options.reproject == "tile") options.permute.reproject = ReprojectMode::tile;
 }
 
-OffsetKind offset_kind(const std::string& name) {
-    return name == "r2"       ? OffsetKind::r2
-           : name == "thesis" ? OffsetKind::thesis
-                              : OffsetKind::lattice;
+// Puts the names of files in front of what is wrong with them.
+template<class Work>
+auto about(const std::string& files, const Work& work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input || files.empty()) throw;
+        throw Error(error.kind(), files + ": " + error.what());
+    }
 }
 
 void check_size(const Image& image, int width, int height, const std::string& path) {
@@ -86,7 +91,7 @@ void check_size(const Image& image, int width, int height, const std::string& pa
 
 const Imath::M44f& matrix(const Image& image, const char* key, const std::string& path) {
     if (const auto* m = image.find_metadata<Imath::M44f>(key)) return *m;
-    throw input_error("{}: no {} in the header", path, key);
+    throw input_error("no {} in the header of {}", key, path);
 }
 
 // Depth of pixels without a surface may be infinite.
@@ -114,9 +119,11 @@ std::optional<MotionPlanes> read_motion(const Options& options, int width, int h
     if (!depth)
         throw input_error("{}: channels {}, expected Z", options.depth, image.channel_names());
     const Image next = session.read_image(options.next, guide_config());
-    return camera_motion(*depth, matrix(image, "worldToCamera", options.depth),
-                         matrix(image, "worldToNDC", options.depth),
-                         matrix(next, "worldToNDC", options.next));
+    return about(options.depth, [&] {
+        return camera_motion(*depth, matrix(image, "worldToCamera", options.depth),
+                             matrix(image, "worldToNDC", options.depth),
+                             matrix(next, "worldToNDC", options.next));
+    });
 }
 
 Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
@@ -139,11 +146,7 @@ Array2D<uint32_t> read_seeds(const Options& options, const Permuter& permuter,
     if (!seeds)
         throw input_error("{}: channels {}, expected an unsigned channel 'seed'", options.seeds,
                           image.channel_names());
-    try {
-        return permuter.padded_seeds(*seeds, options.frame);
-    } catch (const Error& error) {
-        throw Error(error.kind(), options.seeds + ": " + error.what());
-    }
+    return about(options.seeds, [&] { return permuter.padded_seeds(*seeds, options.frame); });
 }
 
 bool is_permutation_of(const Array2D<uint32_t>& a, const Array2D<uint32_t>& b) {
@@ -166,7 +169,10 @@ void run(Options& options, cli::Session& session) {
         for (RetargetTexture& texture : retarget_textures(session.read_image_parts(path), path))
             textures.push_back(std::move(texture));
     options.permute.offsets = permute_offsets(offset_kind(options.offsets), mask, textures);
-    const Permuter permuter(mask, std::move(textures), options.permute, image.width, image.height);
+    const std::string files = fmt::format("{}", fmt::join(options.retarget, ", "));
+    const Permuter permuter = about(files, [&] {
+        return Permuter(mask, std::move(textures), options.permute, image.width, image.height);
+    });
     const Array2D<uint32_t> seeds = read_seeds(options, permuter, session);
     const auto motion = read_motion(options, image.width, image.height, session);
     const FrameGuides guides{&intensity, motion ? &*motion : nullptr,

@@ -1,8 +1,9 @@
 // bn-render: path-traced frames whose random numbers follow from one 32-bit seed per pixel.
+#include "cli/permute_options.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
+#include "distribution/frame_sequence.h"
 #include "image/frame_range.h"
-#include "render/path_tracer.h"
 
 #include <memory>
 
@@ -12,21 +13,25 @@ using namespace ql;
 
 struct Options {
     cli::SceneOptions scene;
-    RenderConfig render;
+    cli::PermuteOptions permute;
+    SequenceConfig sequence;
     bool no_roulette = false;
-    std::string output, seeds, seeds_out;
+    bool similar = false;
+    std::string output, accumulate, seeds, seeds_out;
     FileFormat format = FileFormat::by_extension;
     bool half = false;
     float exposure_stops = 0;
-    uint64_t seed = 0;
     bool strict = false;
 };
 
+const std::map<std::string, LightSampling> kSamplings = {
+    {"mis", LightSampling::mis}, {"lights", LightSampling::lights}, {"bsdf", LightSampling::bsdf}};
+const std::map<std::string, Distribution> kDistributions = {{"white", Distribution::white},
+                                                            {"dithered", Distribution::dithered},
+                                                            {"histogram", Distribution::histogram},
+                                                            {"temporal", Distribution::temporal}};
+
 void declare(cli::Tool& tool, Options& o) {
-    static const std::map<std::string, LightSampling> samplings = {
-        {"mis", LightSampling::mis},
-        {"lights", LightSampling::lights},
-        {"bsdf", LightSampling::bsdf}};
     cli::add_scene_options(tool, o.scene);
     cli::add_frame_options(tool, o.scene);
     tool.add_output(o.output, "Frames, .exr or .png, numbered by %04d");
@@ -34,21 +39,23 @@ void declare(cli::Tool& tool, Options& o) {
     tool.app.add_flag("--half", o.half, "Write 16-bit floats");
     tool.app.add_option("--exposure", o.exposure_stops,
                         "Stops by which PNG pictures are brightened");
-    tool.app.add_option("--spp", o.render.spp, "Samples per pixel and frame")
+    tool.app.add_option("--spp", o.sequence.render.spp, "Samples per pixel and frame")
         ->check(CLI::Range(1, 1 << 24));
     tool.app
-        .add_option("--max-depth", o.render.path.max_depth,
+        .add_option("--max-depth", o.sequence.render.path.max_depth,
                     "Scatterings between light and camera; 1 is direct light alone")
         ->check(CLI::Range(1, 1 << 16));
     tool.app
-        .add_option("--roulette-depth", o.render.path.roulette_depth,
+        .add_option("--roulette-depth", o.sequence.render.path.roulette_depth,
                     "Scatterings before Russian roulette sets in")
         ->check(CLI::Range(1, 1 << 16));
     tool.app.add_flag("--no-roulette", o.no_roulette, "No Russian roulette");
     tool.app
         .add_option_function<std::string>(
             "--light-sampling",
-            [&o](const std::string& name) { o.render.path.light_sampling = samplings.at(name); },
+            [&o](const std::string& name) {
+                o.sequence.render.path.light_sampling = kSamplings.at(name);
+            },
             "mis: both strategies; lights, bsdf: one alone")
         ->check(CLI::IsMember({"mis", "lights", "bsdf"}))
         ->default_str("mis");
@@ -59,17 +66,32 @@ void declare(cli::Tool& tool, Options& o) {
                 const auto v = cli::parse_numbers(text, 3, "--sky");
                 if (v[0] < 0 || v[1] < 0 || v[2] < 0)
                     throw usage_error("--sky: '{}', expected values of at least 0", text);
-                o.render.path.sky = V3f(float(v[0]), float(v[1]), float(v[2]));
+                o.sequence.render.path.sky = V3f(float(v[0]), float(v[1]), float(v[2]));
             },
             "Radiance of a uniform surrounding, W/(m^2 sr)")
         ->type_name("R,G,B");
     tool.app
         .add_option_function<std::string>(
-            "--aov", [&o](const std::string& names) { o.render.aovs = parse_aovs(names); },
+            "--aov", [&o](const std::string& names) { o.sequence.render.aovs = parse_aovs(names); },
             "More channels: depth, normal, position, albedo, motion, direct, indirect, variance, "
             "id, all")
         ->type_name("NAMES");
-    tool.add_seed(o.seed);
+    tool.app
+        .add_option_function<std::string>(
+            "--distribution",
+            [&o](const std::string& name) { o.sequence.distribution = kDistributions.at(name); },
+            "How random numbers are given to pixels; all but white need --mask")
+        ->check(CLI::IsMember({"white", "dithered", "histogram", "temporal"}))
+        ->default_str("white");
+    cli::add_permute_options(tool, o.permute);
+    tool.app.add_flag("--similar", o.similar, "Sort among surfaces of like normal and albedo only");
+    tool.app
+        .add_option("--estimates", o.sequence.estimates,
+                    "histogram: estimates per pixel to choose from")
+        ->check(CLI::Range(1, 4096));
+    tool.app.add_option("--accumulate", o.accumulate, "Write the mean of the frames so far")
+        ->type_name("FILE");
+    tool.add_seed(o.sequence.seed);
     tool.app
         .add_option("--seeds", o.seeds, "Read the seed texture, channel 'seed'; may be numbered")
         ->type_name("FILE");
@@ -85,23 +107,43 @@ void check(const Options& o) {
             throw usage_error("{}: {} frames need a numbered name such as frame.%04d.exr", *path,
                               o.scene.frames.size());
     file_format(o.output, o.format);
-    if ((o.render.aovs & kAovVariance) && o.render.spp < 2)
+    if (!o.accumulate.empty()) file_format(o.accumulate, FileFormat::by_extension);
+    if ((o.sequence.render.aovs & kAovVariance) && o.sequence.render.spp < 2)
         throw usage_error("--aov variance needs --spp 2 or more");
+    if (o.sequence.distribution == Distribution::white) return;
+    if (o.permute.mask.empty()) throw usage_error("--distribution needs --mask, but for white");
+    if (o.sequence.distribution != Distribution::temporal) return;
+    for (size_t i = 1; i < o.scene.frames.size(); ++i)
+        if (o.scene.frames[i] != o.scene.frames[i - 1] + 1)
+            throw usage_error("--distribution temporal needs consecutive frames");
 }
 
-Array2D<uint32_t> seeds_of(const Options& o, cli::Session& session, int frame) {
-    const auto [width, height] = o.scene.size;
-    if (o.seeds.empty()) return fresh_seeds(o.seed, frame, width, height);
+FrameSequence make_sequence(Options& o, cli::Session& session) {
+    std::optional<Mask> mask;
+    std::vector<RetargetTexture> textures;
+    if (o.sequence.distribution != Distribution::white) {
+        cli::PermuteInputs inputs = cli::read_permute_inputs(session, o.permute);
+        mask = std::move(inputs.mask);
+        textures = std::move(inputs.textures);
+        o.sequence.permute = inputs.config;
+    }
+    if (o.similar) o.sequence.similar = SimilarSurfaces::on;
+    return {o.sequence, std::move(mask), std::move(textures), o.scene.size.width,
+            o.scene.size.height};
+}
+
+// A numbered seed texture sets every frame; another one the first frame of a temporal sequence,
+// and every frame where frames do not follow from each other.
+void read_frame_seeds(const Options& o, cli::Session& session, int frame, FrameSequence& sequence) {
+    const bool follows = o.sequence.distribution == Distribution::temporal &&
+                         frame != o.scene.frames.front() && !is_numbered(o.seeds);
+    if (o.seeds.empty() || follows) return;
     const std::string path = numbered_path(o.seeds, frame);
-    const Image image = session.read_image(path);
-    const Array2D<uint32_t>* seeds = image.find_uint("seed");
-    if (!seeds)
-        throw input_error("{}: channels {}, expected an unsigned channel 'seed'", path,
-                          image.channel_names());
-    if (image.width != width || image.height != height)
-        throw input_error("{}: {}x{} seeds, expected {}x{}", path, image.width, image.height, width,
-                          height);
-    return *seeds;
+    try {
+        sequence.set_seeds(cli::read_seeds(session, path), frame);
+    } catch (const Error& error) {
+        throw Error(error.kind(), path + ": " + error.what());
+    }
 }
 
 Image seed_image(const Array2D<uint32_t>& seeds) {
@@ -110,68 +152,106 @@ Image seed_image(const Array2D<uint32_t>& seeds) {
     return image;
 }
 
-void run(Options& o, cli::Session& session) {
-    check(o);
-    if (o.no_roulette) o.render.path.roulette_depth = 0;
-    const bool lit_by_sky = o.render.path.sky != V3f(0, 0, 0);
-    const cli::OpenScene open =
-        cli::open_scene(session, o.scene,
-                        lit_by_sky ? cli::LightNeed::provided_elsewhere : cli::LightNeed::required);
-    session.stats().scene["kernel"] = choose_kernel(open.scene).name;
+// The mean of the frames so far; sums in double.
+class RunningMean {
+  public:
+    Image add(const Image& frame) {
+        m_sums.resize(3 * size_t(frame.width) * size_t(frame.height));
+        ++m_frames;
+        Image mean(frame.width, frame.height);
+        size_t at = 0;
+        for (const char* channel : {"R", "G", "B"}) {
+            const Array2D<float>& values = *frame.find(channel);
+            Array2D<float>& means = mean.plane(channel);
+            for (size_t i = 0; i < values.size(); ++i, ++at)
+                means[i] = float((m_sums[at] += double(values[i])) / m_frames);
+        }
+        return mean;
+    }
+
+  private:
+    std::vector<double> m_sums;
+    int m_frames = 0;
+};
+
+void write_frame(const Options& o, cli::Session& session, int frame, FrameResult& result,
+                 const PixelCamera& camera, const Array2D<uint32_t>& seeds, RunningMean& mean) {
+    result.image.metadata = camera_metadata(camera);
+    result.image.metadata["ql:frame"] = frame;
+    result.image.metadata["ql:spp"] = o.sequence.render.spp;
+    result.image.metadata["ql:max_depth"] = o.sequence.render.path.max_depth;
+    result.image.metadata["ql:seed"] = std::to_string(o.sequence.seed);
     ImageWriteConfig write = session.image_config();
     write.format = o.format;
     write.depth = o.half ? FloatDepth::half : FloatDepth::float32;
     write.exposure_stops = o.exposure_stops;
+    session.write_image(numbered_path(o.output, frame), result.image, write);
+    if (!o.seeds_out.empty())
+        session.write_image(numbered_path(o.seeds_out, frame), seed_image(seeds),
+                            session.image_config());
+    if (o.accumulate.empty()) return;
+    const Image so_far = mean.add(result.image);
+    write.format = FileFormat::by_extension;
+    if (is_numbered(o.accumulate) || frame == o.scene.frames.back())
+        session.write_image(numbered_path(o.accumulate, frame), so_far, write);
+}
 
+void report(const Options& o, cli::Session& session, const RayCounts& rays) {
+    session.stats().rays = {
+        {"camera", rays.camera}, {"indirect", rays.indirect}, {"shadow", rays.shadow}};
+    const uint64_t discarded = session.stats().discarded_samples;
+    if (o.strict && discarded > 0)
+        throw input_error("{}: {} samples are not finite", o.scene.paths.front(), discarded);
+    if (discarded > 0)
+        session.warn(fmt::format("{} samples were not finite and have been left out", discarded));
+}
+
+void run(Options& o, cli::Session& session) {
+    check(o);
+    if (o.no_roulette) o.sequence.render.path.roulette_depth = 0;
+    const bool lit_by_sky = o.sequence.render.path.sky != V3f(0, 0, 0);
+    const cli::OpenScene open =
+        cli::open_scene(session, o.scene,
+                        lit_by_sky ? cli::LightNeed::provided_elsewhere : cli::LightNeed::required);
+    session.stats().scene["kernel"] = choose_kernel(open.scene).name;
+    FrameSequence sequence = make_sequence(o, session);
     const bool moves = has_moving_surfaces_or_lights(open.scene);
     std::unique_ptr<PosedScene> posed;
+    RunningMean mean;
     RayCounts rays;
     for (const int frame : o.scene.frames) {
         // Pose the scene; one that does not move keeps its acceleration structure.
-        const double time = frame / o.scene.fps;
-        const double next_time = (frame + 1) / o.scene.fps;
+        const double time = frame / o.scene.fps, next_time = (frame + 1) / o.scene.fps;
         if (!posed || moves) {
             const auto timer = session.phase("build");
             posed.reset();
             posed = std::make_unique<PosedScene>(open.scene, open.space, time, session.workers());
         }
-        const auto camera_at = [&](double t) {
-            return pixel_camera(open.camera, open.scene, open.space, t, o.scene.size.width,
-                                o.scene.size.height);
-        };
-        const PixelCamera camera = camera_at(time);
-        const PixelCamera next_camera = camera_at(next_time);
+        const auto [width, height] = o.scene.size;
+        const PixelCamera camera =
+            pixel_camera(open.camera, open.scene, open.space, time, width, height);
+        const PixelCamera next_camera =
+            pixel_camera(open.camera, open.scene, open.space, next_time, width, height);
         const NextFrame next{next_camera,
                              moves ? world_from_nodes(open.scene, next_time) : std::vector<M44d>()};
-        const Array2D<uint32_t> seeds = seeds_of(o, session, frame);
 
-        // Render, then write the frame and the seeds that made it.
+        // Render with the frame's seeds, write, and permute the seeds for the frame that follows.
+        read_frame_seeds(o, session, frame, sequence);
         FrameResult result;
         {
             const auto timer = session.phase("render");
-            result = render_frame(*posed, camera, seeds, o.render, &next, session.workers(),
-                                  session.progress());
+            result = sequence.render({*posed, camera, next, frame}, session.workers(),
+                                     session.progress());
         }
         rays.add(result.rays);
         session.stats().discarded_samples += result.discarded_samples;
-        if (o.strict && result.discarded_samples > 0)
-            throw input_error("{}: {} samples of frame {} are not finite", o.scene.paths.front(),
-                              result.discarded_samples, frame);
-        result.image.metadata = camera_metadata(camera);
-        result.image.metadata["ql:frame"] = frame;
-        result.image.metadata["ql:spp"] = o.render.spp;
-        result.image.metadata["ql:max_depth"] = o.render.path.max_depth;
-        result.image.metadata["ql:seed"] = std::to_string(o.seed);
-        session.write_image(numbered_path(o.output, frame), result.image, write);
-        if (!o.seeds_out.empty())
-            session.write_image(numbered_path(o.seeds_out, frame), seed_image(seeds),
-                                session.image_config());
+        write_frame(o, session, frame, result, camera, sequence.seeds(), mean);
+        if (o.sequence.distribution == Distribution::temporal) {
+            const auto timer = session.phase("permute");
+            sequence.prepare_next(session.workers());
+        }
     }
-    session.stats().rays = {
-        {"camera", rays.camera}, {"indirect", rays.indirect}, {"shadow", rays.shadow}};
-    if (session.stats().discarded_samples > 0)
-        session.warn(fmt::format("{} samples were not finite and have been left out",
-                                 session.stats().discarded_samples));
+    report(o, session, rays);
 }
 
 } // namespace

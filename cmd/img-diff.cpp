@@ -224,7 +224,8 @@ void add_options(cli::Tool& tool, Options& options) {
     add_image_selection(tool, options.selection);
     app.add_option("--sigma", options.error.sigmas_px,
                    "Gaussian of the perceptual error in pixels, 0..1000; may be repeated")
-        ->type_name("PX");
+        ->type_name("PX")
+        ->allow_extra_args(false);
     app.add_flag("--wrap", options.wrap, "Tileable images: the Gaussian wraps around");
     app.add_option("--peak", options.error.peak, "White of psnr_db")->type_name("VALUE");
     app.add_flag("--per-channel", options.per_channel, "Every figure also for each channel");

@@ -84,7 +84,7 @@ void add_anisotropy(const Spectrum& spectrum, cli::Figures& figures) {
     }
     figures.emplace_back("anisotropy_mean_db", count ? sum / count : NAN);
     figures.emplace_back("anisotropy_max_db", count ? largest : NAN);
-    figures.emplace_back("anisotropy_isotropic_db", -10 * std::log10(double(spectrum.frames)));
+    figures.emplace_back("anisotropy_isotropic_db", 0 - 10 * std::log10(double(spectrum.frames)));
 }
 
 cli::Figures spectrum_figures(const Spectrum& spectrum, const Options& options) {
@@ -201,7 +201,8 @@ void run(const Options& options, cli::Session& session) {
         const double value = cli::figure_value(figures, condition.name);
         if (!cli::holds(value, condition))
             session.fail_check(fmt::format("{} is {:.9g}, expected {} {:.9g}", condition.name,
-                                           value, condition.comparison, condition.value));
+                                           std::isnan(value) ? double(NAN) : value,
+                                           condition.comparison, condition.value));
     }
 }
 
@@ -222,6 +223,7 @@ void add_options(cli::Tool& tool, Options& options) {
     app.add_option("--sigma", options.sigmas_px,
                    "Gaussian of the filtered variance in pixels; may be repeated")
         ->type_name("PX")
+        ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 1000.0));
     app.add_flag("--mask", options.mask, "Figures of threshold masks too, see img-spectrum(1)");
     app.add_option("--picture", options.picture, "Write the amplitudes as a picture, .png or .exr")
@@ -248,8 +250,7 @@ void add_options(cli::Tool& tool, Options& options) {
            },
            "Exit with status 1 unless this holds, e.g. 'low_frequency_share<0.02'")
         ->type_name("CONDITION")
-        ->expected(1)
-        ->take_all();
+        ->allow_extra_args(false);
 }
 
 } // namespace

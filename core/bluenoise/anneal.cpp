@@ -336,4 +336,18 @@ AnnealResult anneal(const RetargetProblem& problem, const AnnealConfig& config,
     return Run(problem, config, progress).result();
 }
 
+std::string trace_csv(const std::vector<AnnealTraceRow>& trace) {
+    std::string text = "step,temperature,energy,acceptance";
+    for (int bin = 1; bin <= kAcceptanceBins; ++bin)
+        text += fmt::format(",worse_{}", bin);
+    const auto cell = [](double v) { return std::isnan(v) ? "" : fmt::format("{:.6g}", v); };
+    for (const AnnealTraceRow& row : trace) {
+        text += fmt::format("\n{},{:.6g},{},{}", row.step, row.temperature, row.energy,
+                            cell(row.acceptance));
+        for (const double share : row.worse)
+            text += fmt::format(",{}", cell(share));
+    }
+    return text + "\n";
+}
+
 } // namespace ql

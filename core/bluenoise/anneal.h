@@ -12,6 +12,7 @@
 
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace ql {
@@ -68,5 +69,8 @@ struct AnnealResult {
 
 // Errors: ErrorKind::usage for values out of range.
 AnnealResult anneal(const RetargetProblem& problem, const AnnealConfig& config, Progress& progress);
+
+// step, temperature, energy, acceptance, worse_1 .. worse_16; empty where nothing was proposed.
+std::string trace_csv(const std::vector<AnnealTraceRow>& trace);
 
 } // namespace ql

@@ -4,9 +4,19 @@
 #include "cli/tool.h"
 
 #include <cmath>
+#include <cstdint>
 #include <regex>
 
 namespace ql::cli {
+
+namespace {
+
+// Without the sign that a NaN may have.
+std::string digits(double value) {
+    return std::isnan(value) ? "nan" : fmt::format("{:.9g}", value);
+}
+
+} // namespace
 
 std::string csv_field(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -18,8 +28,14 @@ std::string csv_field(const std::string& text) {
 
 Json as_json(const Figures& figures) {
     Json json = Json::object();
+    constexpr double kExactIntegers = 9007199254740992; // 2^53
     for (const auto& [name, value] : figures)
-        json[name] = std::isfinite(value) ? Json(value) : Json(fmt::format("{}", value));
+        if (!std::isfinite(value))
+            json[name] = digits(value);
+        else if (value == std::floor(value) && std::abs(value) < kExactIntegers)
+            json[name] = int64_t(value);
+        else
+            json[name] = value;
     return json;
 }
 
@@ -28,7 +44,7 @@ std::string formatted(const Figures& figures, FigureForm form,
     std::string text;
     if (form == FigureForm::text) {
         for (const auto& [name, value] : figures)
-            text += fmt::format("{} {:.9g}\n", name, value);
+            text += fmt::format("{} {}\n", name, digits(value));
         return text;
     }
     if (form == FigureForm::json) {
@@ -46,7 +62,7 @@ std::string formatted(const Figures& figures, FigureForm form,
     for (const auto& [name, label] : labels)
         append(name, label);
     for (const auto& [name, value] : figures)
-        append(name, fmt::format("{:.9g}", value));
+        append(name, digits(value));
     return text + "\n" + row + "\n";
 }
 

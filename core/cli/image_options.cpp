@@ -47,7 +47,8 @@ void add_image_selection(Tool& tool, ImageSelection& selection) {
                          .add_option("--channels", selection.channels,
                                      "Channels by name, with commas (default: R,G,B or all)")
                          ->type_name("NAME,...")
-                         ->delimiter(',');
+                         ->delimiter(',')
+                         ->allow_extra_args(false);
     tool.app.add_option("--layer", selection.layer, "All channels NAME.*, such as direct.R")
         ->type_name("NAME")
         ->excludes(channels);

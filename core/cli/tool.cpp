@@ -102,7 +102,7 @@ std::vector<double> parse_numbers(const std::string& text, size_t count, const s
         if (error != std::errc() || !std::isfinite(number)) break;
         numbers.push_back(number);
         at = next;
-        if (at == end || *at != ',') break;
+        if (numbers.size() == count || at == end || *at != ',') break;
         ++at;
     }
     if (numbers.size() != count || at != end)

@@ -159,9 +159,7 @@ void require_finite(const Image& image, const std::string& path) {
 std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
     const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
     const FileFormat format = format_of(bytes, path);
-    if (format == FileFormat::png)
-        if (const std::string damage = png_damage(bytes); !damage.empty())
-            throw input_error("{}: {}, expected a whole PNG file", shown_name(path), damage);
+    if (format == FileFormat::png) check_png(bytes, shown_name(path));
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
     auto input = OIIO::ImageInput::create(library_name(format));
     OIIO::ImageSpec request;

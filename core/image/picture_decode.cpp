@@ -1,6 +1,7 @@
 #include "image/picture_decode.h"
 
 #include "base/error.h"
+#include "image/png_check.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -50,6 +51,15 @@ const Magic& recognised(std::span<const std::byte> bytes, const std::string& nam
     throw input_error("{}: unknown image format, expected PNG or JPEG", name);
 }
 
+// libjpeg fills what is missing with grey and says nothing. The end marker cannot occur within
+// compressed data; some bytes after it are common.
+void check_jpeg_end(std::span<const std::byte> bytes, const std::string& name) {
+    constexpr size_t kMaxTrailing = 65536;
+    const std::string_view end = text_of(bytes.last(std::min(bytes.size(), kMaxTrailing)));
+    if (end.rfind("\xff\xd9") == std::string_view::npos)
+        throw input_error("{}: truncated JPEG of {} bytes", name, bytes.size());
+}
+
 std::string reason(const std::string& message) {
     const std::string line = message.substr(0, message.find('\n'));
     return line.empty() ? "cannot be decoded" : line;
@@ -85,6 +95,15 @@ std::vector<uint8_t> spread_to_rgba(const std::vector<uint8_t>& samples, size_t 
 Picture decode_picture(std::span<const std::byte> bytes, const std::string& name,
                        const PictureDecodeConfig& config) {
     const Magic& magic = recognised(bytes, name);
+
+    // libpng prints what it thinks of profiles and the like, which matter to no texture.
+    std::vector<std::byte> bare;
+    if (std::string_view(magic.name) == "PNG") {
+        bare = bare_png(bytes, name);
+        bytes = bare;
+    }
+
+    if (std::string_view(magic.name) == "JPEG") check_jpeg_end(bytes, name);
 
     // Open the bytes as if they were a file.
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());

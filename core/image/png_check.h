@@ -1,16 +1,18 @@
-// Whether a PNG file is whole: signature, chunk lengths and checksums, IHDR first and IEND last.
-//
-// Source: PNG specification, third edition, sections 5 and 11. libpng accepts a file that ends
-// before IEND, and prints about damage on standard error.
+// Looks through the chunks of a PNG before libpng does, which prints its complaints on stderr.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace ql {
 
-// Empty if it is whole, else what is wrong with it. Bytes behind IEND are not looked at.
-std::string png_damage(std::span<const std::byte> bytes);
+// The chunks are whole, their check sums hold, and the last one is IEND. `name` is for messages.
+// Errors: ErrorKind::input.
+void check_png(std::span<const std::byte> bytes, const std::string& name);
+
+// The checked file with what makes up its pixels only: no profiles, text or other extras.
+std::vector<std::byte> bare_png(std::span<const std::byte> bytes, const std::string& name);
 
 } // namespace ql

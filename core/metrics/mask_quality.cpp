@@ -11,7 +11,7 @@ namespace ql {
 
 namespace {
 
-constexpr int kThresholds = 128; // t = 1/128 .. 127/128
+constexpr int kThresholds = 128; // t = 0/128 .. 127/128, of which the first has no error
 
 // Calls body(first, last) for each run of equal values in the sorted order of pixels.
 template<class Body>
@@ -75,7 +75,7 @@ double heaviside_rms(const Array2D<float>& ranks, std::span<const double> taps,
             sum.add(double(value) * double(value));
         means[i] = sum.value() / double(error.size());
     });
-    return std::sqrt(std::accumulate(means.begin(), means.end(), 0.0) / double(means.size()));
+    return std::sqrt(std::accumulate(means.begin(), means.end(), 0.0) / kThresholds);
 }
 
 std::vector<NamedRms> heaviside_table(const Array2D<float>& ranks, const Workers& workers) {

@@ -17,7 +17,7 @@ namespace ql {
 Array2D<float> rank_values(const Array2D<float>& mask);
 
 // How far the low-pass filtered pattern of 1[u < t] is from t: the root of the mean square over
-// pixels and over t = 1/128 .. 127/128, the mask tiled without end. Donnelly et al. 2024 ("Filter-
+// pixels and over t = 0/128 .. 127/128, the mask tiled without end. Donnelly et al. 2024 ("Filter-
 // adapted spatio-temporal sampling"). `taps` are those of a separable filter.
 double heaviside_rms(const Array2D<float>& ranks, std::span<const double> taps,
                      const Workers& workers);

@@ -34,6 +34,8 @@ using TileRenderer = TileCounts (*)(const FrameJob& job, size_t tile);
 TileRenderer diffuse_tile_renderer(uint32_t attributes);
 TileRenderer microfacet_tile_renderer(uint32_t attributes);
 TileRenderer general_tile_renderer(uint32_t attributes);
+// Dithered sampling is for comparison, not for speed: one kernel serves every scene.
+TileRenderer dithered_tile_renderer();
 
 namespace detail {
 
@@ -62,7 +64,19 @@ inline void add_radiance(const PathSample& sample, PixelSums& sums) {
 void add_first_hit(const FrameJob& job, const FirstHit& hit, double x, double y, PixelSums& sums);
 void write_pixel(const FrameJob& job, int x, int y, const PixelSums& sums);
 
-template<uint32_t Lobes, uint32_t Attributes>
+// Where the random numbers of a pixel's sample come from: its own seed, or the frame's dither.
+struct FromSeeds {
+    static PixelRandom random(const FrameJob& job, int x, int y, int sample) {
+        return {job.seeds(x, y), uint32_t(sample)};
+    }
+};
+struct FromDither {
+    static DitheredRandom random(const FrameJob& job, int x, int y, int sample) {
+        return {*job.config.dither, x, y, uint32_t(sample)};
+    }
+};
+
+template<uint32_t Lobes, uint32_t Attributes, class Randoms = FromSeeds>
 TileCounts render_tile(const FrameJob& job, size_t tile) {
     const int width = job.seeds.width(), height = job.seeds.height();
     const size_t tiles_across = size_t((width + kTileSize - 1) / kTileSize);
@@ -76,7 +90,7 @@ TileCounts render_tile(const FrameJob& job, size_t tile) {
         for (int x = x0; x < std::min(x0 + kTileSize, width); ++x) {
             PixelSums sums;
             for (int s = 0; s < job.config.spp; ++s) {
-                const PixelRandom random(job.seeds(x, y), uint32_t(s));
+                const auto random = Randoms::random(job, x, y, s);
                 const RandomWords words = random.words(0);
                 const double px = double(x) + double(unit_float(words[0]));
                 const double py = double(y) + double(unit_float(words[1]));

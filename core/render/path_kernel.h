@@ -109,7 +109,9 @@ class PathKernel {
     PathKernel(const PathContext& context, Observer& observer)
         : m_context(context), m_world(context.scene.world()), m_observer(observer) {}
 
-    PathSample trace(const Ray& camera_ray, const PixelRandom& random, uint32_t alpha_key,
+    // Random: PixelRandom, or anything with its words() and block().
+    template<class Random>
+    PathSample trace(const Ray& camera_ray, const Random& random, uint32_t alpha_key,
                      FirstHit* first_hit) const;
 
   private:
@@ -128,8 +130,7 @@ class PathKernel {
     V3f emitted(const SurfacePoint& point, const Material& material, const Ray& ray, float distance,
                 float bsdf_pdf) const;
     Vertex vertex_at(const SurfacePoint& point, const Material& material, const V3f& wo) const;
-    V3f lit_by_lights(const Vertex& vertex, const PixelRandom& random, int depth,
-                      uint32_t alpha_key) const;
+    V3f lit_by_lights(const Vertex& vertex, const RandomWords& words, uint32_t alpha_key) const;
     bool is_lit(const Vertex& vertex, const LightSample& light, uint32_t alpha_key) const;
 
     const PathContext& m_context;
@@ -194,29 +195,28 @@ bool PathKernel<Lobes, Attributes, Observer>::is_lit(const Vertex& vertex, const
 // Next-event estimation: one light, weighted against having been found by the BSDF.
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
 V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex,
-                                                           const PixelRandom& random, int depth,
+                                                           const RandomWords& words,
                                                            uint32_t alpha_key) const {
-    const RandomWords words = random.words(uint32_t(1 + 2 * depth));
     const auto light = m_context.lights.sample(vertex.position, unit_double(words[0], words[1]),
                                                {unit_float(words[2]), unit_float(words[3])});
     if (!light) return V3f(0);
     const V3f wi_local = vertex.frame.local_from_world(light->direction);
     // What the shading frame takes for reflection must be reflection at the real surface too.
     if (wi_local.z * vertex.ng.dot(light->direction) <= 0) return V3f(0);
-    const V3f scattered = eval_bsdf<Lobes>(vertex.bsdf, vertex.wo_local, wi_local);
-    if (detail::is_black(scattered)) return V3f(0);
+    const BsdfValue scattered = value_and_pdf_bsdf<Lobes>(vertex.bsdf, vertex.wo_local, wi_local);
+    if (detail::is_black(scattered.value)) return V3f(0);
     float weight = 1;
     if (light->pdf_solid_angle > 0 && m_context.config.light_sampling == LightSampling::mis)
-        weight = detail::mis_weight(light->pdf_solid_angle,
-                                    pdf_bsdf<Lobes>(vertex.bsdf, vertex.wo_local, wi_local));
+        weight = detail::mis_weight(light->pdf_solid_angle, scattered.pdf_solid_angle);
     if (!is_lit(vertex, *light, alpha_key)) return V3f(0);
-    return detail::times(scattered, light->weight) * weight;
+    return detail::times(scattered.value, light->weight) * weight;
 }
 
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
-PathSample
-PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray, const PixelRandom& random,
-                                               uint32_t alpha_key, FirstHit* first_hit) const {
+template<class Random>
+PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
+                                                          const Random& random, uint32_t alpha_key,
+                                                          FirstHit* first_hit) const {
     const PathConfig& config = m_context.config;
     PathSample sample;
     V3f throughput(1, 1, 1);
@@ -249,7 +249,8 @@ PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray, const Pixe
 
         // Add light that comes straight from the lights.
         if (!m_context.lights.empty() && config.light_sampling != LightSampling::bsdf) {
-            const V3f radiance = lit_by_lights(vertex, random, depth, ray_key ^ 0x5bd1e995u);
+            const V3f radiance =
+                lit_by_lights(vertex, random.words(uint32_t(1 + 2 * depth)), ray_key ^ 0x5bd1e995u);
             (depth == 0 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
 

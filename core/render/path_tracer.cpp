@@ -126,7 +126,8 @@ FrameResult render_frame(const PosedScene& scene, const PixelCamera& camera,
     const std::vector<Affine> next_from_now = motions(scene.world(), next);
     const FrameJob job{
         scene, camera, seeds, config, next, next_from_now, path_context(scene, config.path), film};
-    const TileRenderer render_tile = tile_renderer_for(choose_kernel(source));
+    const TileRenderer render_tile =
+        config.dither ? dithered_tile_renderer() : tile_renderer_for(choose_kernel(source));
     const size_t across = size_t((seeds.width() + kTileSize - 1) / kTileSize);
     const size_t down = size_t((seeds.height() + kTileSize - 1) / kTileSize);
     std::vector<TileCounts> counts(across * down);

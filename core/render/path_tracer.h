@@ -10,6 +10,7 @@
 #include "render/film.h"
 #include "render/path_kernel.h"
 #include "render/posed_scene.h"
+#include "sampling/dither.h"
 
 namespace ql {
 
@@ -17,6 +18,8 @@ struct RenderConfig {
     PathConfig path;
     int spp = 1;       // samples per pixel, at least 1
     uint32_t aovs = 0; // see Aov
+    // If given, random numbers come from it instead of the seeds: Georgiev and Fajardo 2016.
+    const DitherTile* dither = nullptr;
 };
 
 // How to find where a surface point will be in the next frame.

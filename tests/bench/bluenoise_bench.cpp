@@ -1,6 +1,6 @@
 // Masks, retarget textures and the passes between frames, at the sizes that are quoted.
-#include "bluenoise/assignment.h"
 #include "bluenoise/permute.h"
+#include "bluenoise/retarget_solve.h"
 #include "sampling/random.h"
 
 #include <benchmark/benchmark.h>
@@ -22,10 +22,7 @@ RetargetTexture retarget_texture(const Mask& mask, const Imath::V2i& motion) {
     RetargetConfig config;
     config.step = lattice_step(mask.values.width(), mask.values.height());
     config.motion = motion;
-    Moves moves = least_cost_assignment(RetargetProblem(mask, config)).moves;
-    for (Imath::V2i& move : moves.values())
-        move += motion;
-    return {moves, config.step, motion, config.radius_px, mask.hash, {}, 0};
+    return exact_retarget_texture(mask, config);
 }
 
 void mask(benchmark::State& state) {

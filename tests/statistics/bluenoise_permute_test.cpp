@@ -1,7 +1,7 @@
 // The passes on a flat scene: every pixel's value follows from its seed alone. The energy that a
 // Gaussian of 1 px leaves, relative to white noise, at frame 24.
-#include "bluenoise/assignment.h"
 #include "bluenoise/permute.h"
+#include "bluenoise/retarget_solve.h"
 #include "sampling/random.h"
 
 #include <gtest/gtest.h>
@@ -22,16 +22,10 @@ Mask blue_mask(double sigma_px) {
     return mask;
 }
 
-RetargetTexture texture(const Mask& mask) {
+RetargetTexture texture(const Mask& mask, const Imath::V2i& step = lattice_step(64, 64)) {
     RetargetConfig config;
-    config.step = lattice_step(64, 64);
-    return {least_cost_assignment(RetargetProblem(mask, config)).moves,
-            config.step,
-            {0, 0},
-            6,
-            mask.hash,
-            {},
-            0};
+    config.step = step;
+    return exact_retarget_texture(mask, config);
 }
 
 Array2D<double> filtered_transposed(const Array2D<double>& in) {
@@ -62,9 +56,11 @@ double energy_left(const Array2D<float>& values) {
     return energy / (1.0 / 12 / (4 * M_PI));
 }
 
-double energy_at_frame_24(const Mask& mask, std::vector<RetargetTexture> textures) {
+double energy_at_frame_24(const Mask& mask, std::vector<RetargetTexture> textures,
+                          OffsetKind kind = OffsetKind::lattice, int block_px = 8) {
     PermuteConfig config;
-    config.offsets = mask_offsets(OffsetKind::lattice, 64, 64);
+    config.block_px = block_px;
+    config.offsets = mask_offsets(kind, 64, 64);
     const Permuter permuter(mask, std::move(textures), config, kSide, kSide);
     const Workers workers;
     Array2D<uint32_t> seeds = permuter.fresh_seeds(0);
@@ -96,6 +92,18 @@ TEST(bluenoise_permute, sort_and_retarget_with_sigma_1_9) {
 TEST(bluenoise_permute, sort_and_retarget_with_sigma_1_2) {
     const Mask mask = blue_mask(1.2);
     EXPECT_NEAR(energy_at_frame_24(mask, {texture(mask)}), 0.019, 0.15 * 0.019);
+}
+
+// One texture does not fit the four steps of the sequence.
+TEST(bluenoise_permute, r2_needs_four_textures) {
+    const Mask mask = blue_mask(1.9);
+    std::vector<RetargetTexture> four;
+    for (const Imath::V2i& step : retarget_steps(mask_offsets(OffsetKind::r2, 64, 64)))
+        four.push_back(texture(mask, step));
+    const double with_four = energy_at_frame_24(mask, four, OffsetKind::r2, 4);
+    const double with_one = energy_at_frame_24(mask, four, OffsetKind::thesis, 4);
+    EXPECT_NEAR(with_four, 0.079, 0.15 * 0.079);
+    EXPECT_NEAR(with_one, 0.143, 0.15 * 0.143);
 }
 
 } // namespace

@@ -26,5 +26,6 @@ try --crop 0,0,9,8 a.exr b.exr
 try --crop 8,0,1,1 a.exr b.exr
 try --crop 0,0,0,1 a.exr b.exr
 try --crop 1e99,0,1,1 a.exr b.exr
+try --channels R,G --sigma 2 a.exr b.exr
 try grey.png grey.png
 try - - </dev/null

@@ -5,6 +5,7 @@ try() { img-spectrum "$@" >out.txt; echo "$? $(wc -l <out.txt | sed 's/^[1-9].*/
 try wave.exr --assert 'low_frequency_share > 0.99'
 try wave.exr --assert 'low_frequency_share<0.02'
 try wave.exr --assert 'frames==1' --assert 'frames!=2' --assert 'frames<=1' --assert 'frames>=1'
+try --assert 'frames==1' --sigma 1 --sigma 3 wave.exr
 try wave.exr --assert 'frames==2' --assert 'frames<1'
 try wave.exr --assert 'filtered_variance_1px>0.5'
 try flat.exr --assert 'low_frequency_share<0.02'

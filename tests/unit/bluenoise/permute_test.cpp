@@ -1,7 +1,7 @@
 #include "bluenoise/permute.h"
 
-#include "bluenoise/assignment.h"
 #include "bluenoise/retarget.h"
+#include "bluenoise/retarget_solve.h"
 #include "bluenoise/sort.h"
 #include "reference/permute_reference.h"
 #include "sampling/random.h"
@@ -28,20 +28,13 @@ Mask mask(int width, int height) {
 
 // Textures of all motions up to `motions` for the steps of a kind of offsets.
 std::vector<RetargetTexture> textures(const Mask& mask, OffsetKind kind, int motions) {
+    RetargetConfig base;
+    base.radius_px = 3;
     std::vector<RetargetTexture> result;
-    for (const Imath::V2i& step :
-         retarget_steps(mask_offsets(kind, mask.values.width(), mask.values.height())))
-        for (int my = -motions; my <= motions; ++my)
-            for (int mx = -motions; mx <= motions; ++mx) {
-                RetargetConfig config;
-                config.step = step;
-                config.motion = {mx, my};
-                config.radius_px = 3;
-                Moves moves = least_cost_assignment(RetargetProblem(mask, config)).moves;
-                for (Imath::V2i& move : moves.values())
-                    move += config.motion;
-                result.push_back({moves, step, config.motion, 3, mask.hash, {}, 0});
-            }
+    for (const RetargetConfig& config :
+         retarget_set(retarget_steps(mask_offsets(kind, mask.values.width(), mask.values.height())),
+                      motions, base))
+        result.push_back(exact_retarget_texture(mask, config));
     return result;
 }
 

@@ -1,7 +1,7 @@
 #include "bluenoise/anneal.h"
 #include "bluenoise/assignment.h"
 #include "bluenoise/offsets.h"
-#include "bluenoise/retarget_file.h"
+#include "bluenoise/retarget_solve.h"
 #include "reference/retarget_reference.h"
 
 #include <gtest/gtest.h>
@@ -185,11 +185,8 @@ TEST(anneal, refuses_nonsense) {
 TEST(retarget_file, comes_back_from_both_formats) {
     const Mask tile = mask(9, 7);
     const RetargetProblem problem(tile, config({4, 3}, 2, {-3, 2}));
-    RetargetTexture texture{
-        least_cost_assignment(problem).moves, {4, 3}, {-3, 2}, 2, tile.hash, {}, 5};
-    texture.report = retarget_report(problem, texture.moves);
-    for (Imath::V2i& move : texture.moves.values())
-        move += {-3, 2};
+    const RetargetTexture texture = exact_retarget_texture(tile, problem.config());
+    EXPECT_EQ(texture.energy_bound, double(texture.report.energy));
     for (const RetargetEncoding encoding : {RetargetEncoding::exr, RetargetEncoding::png}) {
         Image image = retarget_image(texture, encoding);
         if (encoding == RetargetEncoding::png) image.source_bits = 8;

@@ -21,7 +21,7 @@ TEST(ParseSize, TakesBothSidesFromOneToTwoToTheTwenty) {
 }
 
 TEST(ParseNumbers, TakesJustSoManyFiniteNumbers) {
-    EXPECT_EQ(parse_numbers("1,-2.5,3e2", 3, "x"), (std::vector{1, -2.5, 300}));
+    EXPECT_EQ(parse_numbers("1,-2.5,3e2", 3, "x"), (std::vector<double>{1, -2.5, 300}));
     for (const char* text : {"", "1,2", "1,2,3,4", "1,2,", "1,,3", "1,2,3,", "a,b,c", "1 ,2,3",
                              "nan,1,2", "inf,1,2", "1e999,1,2", "1,2,3x"})
         EXPECT_THROW(parse_numbers(text, 3, "x"), Error) << text;

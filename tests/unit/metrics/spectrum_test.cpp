@@ -179,7 +179,7 @@ Array2D<float> shuffled_ranks(int side, unsigned seed) {
 double slow_heaviside_rms(const Array2D<float>& u, const std::vector<double>& taps) {
     double total = 0;
     const int n = u.width(), radius = int(taps.size() / 2);
-    for (int i = 1; i < 128; ++i)
+    for (int i = 0; i < 128; ++i)
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) {
                 double sum = 0;
@@ -193,7 +193,7 @@ double slow_heaviside_rms(const Array2D<float>& u, const std::vector<double>& ta
                              i / 128.0);
                 total += sum * sum;
             }
-    return std::sqrt(total / (127.0 * n * n));
+    return std::sqrt(total / (128.0 * n * n));
 }
 
 TEST(HeavisideRms, EqualsTheDefinition) {
@@ -206,7 +206,7 @@ TEST(HeavisideRms, OfWhiteNoiseIsThatOfTheory) {
     // Root of the mean of t (1 - t) over the thresholds, times the norm of the taps in 2D
     double spread = 0;
     for (int i = 1; i < 128; ++i)
-        spread += i / 128.0 * (1 - i / 128.0) / 127;
+        spread += i / 128.0 * (1 - i / 128.0) / 128;
     const auto table = heaviside_table(rank_values(shuffled_ranks(128, 2)), Workers(2));
     ASSERT_EQ(table.size(), 6u);
     const std::vector<std::vector<double>> taps = {gaussian_taps(1), gaussian_taps(0.7),
