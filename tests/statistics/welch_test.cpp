@@ -146,7 +146,7 @@ TEST(welch, lights_add) {
         if (point) b.place_light(point_light(V3d(0.1, 0.2, 0.3)), translated({0.3, 0.2, 0.3}));
         return b.scene;
     };
-    const RenderConfig config = path_config(24, 4, 3, LightSampling::mis);
+    const RenderConfig config = path_config(64, 4, 3, LightSampling::mis);
     TileMeans sum = tile_means(lit_by(true, false), config, 0);
     const TileMeans second = tile_means(lit_by(false, true), config, 100);
     for (size_t tile = 0; tile < sum.size(); ++tile)
