@@ -295,7 +295,7 @@ def cornell(title, tall_material=None):
 
 def add_point_light(gltf):
     # In the middle, right under the ceiling.
-    gltf.light("point_light", {"type": "point", "intensity": 0.5}, (0.278, 0.53, 0.2796))
+    gltf.light("point_light", {"type": "point", "intensity": 0.1}, (0.278, 0.48, 0.2796))
     return gltf
 
 
@@ -306,7 +306,7 @@ def add_spot_light(gltf):
     position, target = (0.53, 0.02, 0.02), (0, 0.5488, 0.5592)
     light = {
         "type": "spot",
-        "intensity": 1.5,
+        "intensity": 0.3,
         "spot": {"innerConeAngle": 0, "outerConeAngle": rounded(math.radians(60))},
         "extensions": {"QL_lights_spot_exponent": {"exponent": 2}},
     }
@@ -478,8 +478,8 @@ def sponza_lights():
     """Lights and cameras only: to be loaded together with Crytek's Sponza (in metres)."""
     gltf = Gltf("Lights and cameras for Sponza")
     gltf.light("above", {"type": "point", "intensity": 400}, (-0.5, 12, -0.3))
-    gltf.light("left_of_lion", {"type": "point", "intensity": 20}, (-9.8, 1.5, 2.9))
-    gltf.light("right_of_lion", {"type": "point", "intensity": 20}, (-9.8, 1.5, -3.5))
+    gltf.light("left_of_lion", {"type": "point", "intensity": 6}, (-9.8, 1.5, 2.9))
+    gltf.light("right_of_lion", {"type": "point", "intensity": 6}, (-9.8, 1.5, -3.5))
     views = (
         ("nave", (6.96, 1.79, -0.31), (-9.41, 3.34, 0.61), 75),
         ("lion", (-4.0, 1.6, -0.3), (-11.0, 1.5, -0.3), 60),
