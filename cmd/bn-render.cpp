@@ -139,8 +139,9 @@ void read_frame_seeds(const Options& o, cli::Session& session, int frame, FrameS
                          frame != o.scene.frames.front() && !is_numbered(o.seeds);
     if (o.seeds.empty() || follows) return;
     const std::string path = numbered_path(o.seeds, frame);
+    const Array2D<uint32_t> seeds = cli::read_seeds(session, path);
     try {
-        sequence.set_seeds(cli::read_seeds(session, path), frame);
+        sequence.set_seeds(seeds, frame);
     } catch (const Error& error) {
         throw Error(error.kind(), path + ": " + error.what());
     }
