@@ -144,8 +144,8 @@ void compare(const Options& options, cli::Session& session) {
             session.fail_check(what);
 }
 
-template<class T>
-size_t differing_samples(const std::vector<Plane<T>>& planes, const std::vector<Plane<T>>& others) {
+template<class Planes>
+size_t differing_samples(const Planes& planes, const Planes& others) {
     size_t count = 0;
     for (size_t c = 0; c < planes.size(); ++c)
         for (size_t i = 0; i < planes[c].pixels.size(); ++i)

@@ -1,7 +1,7 @@
 #include "bluenoise/mask.h"
 
-#include "bluenoise/hash.h"
 #include "bluenoise/void_and_cluster.h"
+#include "sampling/random.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,13 +11,11 @@ namespace ql {
 
 namespace {
 
-// Fisher and Yates; the modulo's bias is below 2^-40 for these n.
-std::vector<uint32_t> random_permutation(size_t n, uint64_t seed, uint64_t stream) {
+std::vector<uint32_t> random_permutation(size_t n, uint64_t seed, uint64_t channel) {
     std::vector<uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
-    const uint64_t key = mixed(seed ^ mixed(stream));
-    for (size_t i = n; i > 1; --i)
-        std::swap(order[i - 1], order[mixed(key + i) % i]);
+    CounterRandom random(seed, channel);
+    shuffle(std::span(order), random);
     return order;
 }
 

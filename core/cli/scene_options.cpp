@@ -1,9 +1,9 @@
 #include "cli/scene_options.h"
 
 #include "image/frame_range.h"
+#include "scene/features.h"
 #include "scene/gltf_load.h"
-
-#include <algorithm>
+#include "scene/scene_hash.h"
 
 namespace ql::cli {
 
@@ -12,15 +12,6 @@ namespace {
 V3d parse_vector(const std::string& text, const std::string& option) {
     const std::vector<double> v = parse_numbers(text, 3, option);
     return {v[0], v[1], v[2]};
-}
-
-bool has_light(const Scene& scene) {
-    const bool emitter =
-        std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
-            return material.emission != V3f(0, 0, 0) || material.model == MaterialModel::unlit;
-        });
-    return emitter || std::any_of(scene.nodes.begin(), scene.nodes.end(),
-                                  [](const Node& node) { return node.light >= 0; });
 }
 
 } // namespace
@@ -86,11 +77,18 @@ OpenScene open_scene(Session& session, const SceneOptions& options, LightNeed ne
     if (open.camera.is_framed)
         session.warn(fmt::format("{}: no camera; the whole scene is framed (see --look-from)",
                                  options.paths.front()));
-    if (need == LightNeed::required && !options.allow_dark && !has_light(open.scene))
+    // Say what the scene requires.
+    const SceneFeatures features = required_features(open.scene);
+    session.inform(fmt::format("{}: {}", options.paths.front(), feature_line(features)));
+    Json& stats = session.stats().scene;
+    for (const auto& [name, count] : feature_counts(features))
+        stats[name] = count;
+    stats["non_finite_vertices"] = open.scene.non_finite_vertices;
+    stats["degenerate_triangles"] = open.scene.degenerate_triangles;
+    stats["hash"] = fmt::format("{:016x}", scene_hash(open.scene));
+    if (need == LightNeed::required && !options.allow_dark && !features.has_light())
         throw input_error("{}: no light and no emitter (--allow-dark renders it all the same)",
                           options.paths.front());
-
-    // Say what the scene requires.
     return open;
 }
 

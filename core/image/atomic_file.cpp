@@ -45,6 +45,12 @@ class SignalsBlocked {
     sigset_t m_before = {};
 };
 
+// Once the process is about to die, no thread may report that its file is gone.
+void wait_if_dying() {
+    while (g_dying)
+        pause();
+}
+
 TemporaryName& free_slot() {
     for (;;)
         for (TemporaryName& slot : g_temporaries) {
@@ -72,6 +78,7 @@ class TemporaryFile {
         const int reason = errno;
         m_slot.exists = m_descriptor >= 0;
         --g_creating;
+        wait_if_dying();
         if (m_descriptor < 0) {
             m_slot.used = false;
             throw output_error("{}: cannot be created ({})", target, std::strerror(reason));
@@ -95,8 +102,11 @@ class TemporaryFile {
         fchmod(m_descriptor, 0666 & ~mask);
         const int closed = close(m_descriptor);
         m_descriptor = -1;
-        if (closed != 0 || std::rename(m_slot.path, m_target.c_str()) != 0)
-            throw output_error("{}: cannot be written ({})", m_target, std::strerror(errno));
+        if (closed != 0 || std::rename(m_slot.path, m_target.c_str()) != 0) {
+            const int reason = errno;
+            wait_if_dying();
+            throw output_error("{}: cannot be written ({})", m_target, std::strerror(reason));
+        }
         m_slot.exists = false;
     }
 

@@ -10,6 +10,7 @@
 #include <Imath/ImathMatrix.h>
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 #include <string_view>
@@ -30,10 +31,10 @@ using Metadata = std::map<std::string, MetadataValue>;
 struct Image {
     int width = 0;
     int height = 0;
-    std::string name;     // of the part in a multi-part file; empty elsewhere
-    int source_bits = 32; // per channel in the file it was read from: 8, 16 or 32
-    std::vector<Plane<float>> planes;
-    std::vector<Plane<uint32_t>> uint_planes;
+    std::string name;                // of the part in a multi-part file; empty elsewhere
+    int source_bits = 32;            // per channel in the file it was read from: 8, 16 or 32
+    std::deque<Plane<float>> planes; // a deque: adding one leaves references to the others valid
+    std::deque<Plane<uint32_t>> uint_planes;
     Metadata metadata;
 
     Image() = default;

@@ -39,6 +39,8 @@ struct PathContext {
     const LightSet& lights;
     PathConfig config;
     bool has_emission = false; // some material emits
+    // Whether a ray after the last scattering can add anything: emission or a sky.
+    bool last_ray_finds_light = true;
 };
 
 // The first surface of a path, for AOVs.
@@ -161,6 +163,7 @@ auto PathKernel<Lobes, Attributes, Observer>::vertex_at(const SurfacePoint& poin
                                                         const V3f& wo) const -> Vertex {
     const std::span<const Texture> textures = m_world.scene->textures;
     const SurfaceInput input = surface_input(point, wo);
+    if constexpr (kTextured) prefetch_textures(textures, material, input);
     V3f ns = shading_normal<kTextured>(textures, material, input, point.ns, point.tangent);
     V3f ng = point.ng;
     if (!input.front) {
@@ -238,11 +241,11 @@ PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray, const Pixe
             const V3f radiance = emitted(point, material, ray, hit.t, bsdf_pdf);
             (depth <= 1 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
+        if (depth == config.max_depth) break;
         const Vertex vertex = vertex_at(point, material, -ray.direction);
         if (depth == 0 && first_hit)
             *first_hit = {true, point.position, vertex.frame.n, albedo_of(vertex.bsdf),
                           point.surface};
-        if (depth == config.max_depth) break;
 
         // Add light that comes straight from the lights.
         if (!m_context.lights.empty() && config.light_sampling != LightSampling::bsdf) {
@@ -250,7 +253,8 @@ PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray, const Pixe
             (depth == 0 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
 
-        // Choose where the path goes on.
+        // Choose where the path goes on; a last ray can only find emission or the sky.
+        if (depth + 1 == config.max_depth && !m_context.last_ray_finds_light) break;
         const RandomFloats u = random.block(uint32_t(2 + 2 * depth));
         const auto next = sample_bsdf<Lobes>(vertex.bsdf, vertex.wo_local, u[0], {u[1], u[2]});
         if (!next) break;

@@ -73,6 +73,12 @@ bool any_emission(const Scene& scene) {
     });
 }
 
+PathContext path_context(const PosedScene& scene, const PathConfig& config) {
+    const bool emission = any_emission(*scene.world().scene);
+    const bool sky = config.sky != V3f(0, 0, 0);
+    return {scene.rays(), scene.lights(), config, emission, emission || sky};
+}
+
 TileRenderer tile_renderer_for(const KernelChoice& choice) {
     if (choice.lobes == kLobeDiffuse) return diffuse_tile_renderer(choice.attributes);
     if (choice.lobes == (kLobeDiffuse | kLobeMicrofacet))
@@ -118,14 +124,8 @@ FrameResult render_frame(const PosedScene& scene, const PixelCamera& camera,
     const Scene& source = *scene.world().scene;
     Film film(seeds.width(), seeds.height(), config.aovs);
     const std::vector<Affine> next_from_now = motions(scene.world(), next);
-    const FrameJob job{scene,
-                       camera,
-                       seeds,
-                       config,
-                       next,
-                       next_from_now,
-                       {scene.rays(), scene.lights(), config.path, any_emission(source)},
-                       film};
+    const FrameJob job{
+        scene, camera, seeds, config, next, next_from_now, path_context(scene, config.path), film};
     const TileRenderer render_tile = tile_renderer_for(choose_kernel(source));
     const size_t across = size_t((seeds.width() + kTileSize - 1) / kTileSize);
     const size_t down = size_t((seeds.height() + kTileSize - 1) / kTileSize);

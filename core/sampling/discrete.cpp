@@ -7,6 +7,9 @@ namespace ql {
 
 namespace {
 
+// Below this share of the mean weight no random double would ever draw an item.
+constexpr double kLeastShareOfMean = 0x1p-53;
+
 bool is_drawable(double weight) {
     return weight > 0 && std::isfinite(weight);
 }
@@ -31,8 +34,9 @@ AliasTable::AliasTable(std::span<const double> weights) {
     std::vector<uint32_t> small, large;
     for (size_t i = 0; i < n; ++i) {
         const double share = is_drawable(weights[i]) ? weights[i] / largest / relative_sum : 0;
-        m_slots[i] = {1, static_cast<float>(share), static_cast<uint32_t>(i)};
         scaled[i] = share * static_cast<double>(n);
+        if (scaled[i] < kLeastShareOfMean) scaled[i] = 0;
+        m_slots[i] = {1, static_cast<float>(scaled[i] > 0 ? share : 0), static_cast<uint32_t>(i)};
         (scaled[i] < 1 ? small : large).push_back(static_cast<uint32_t>(i));
     }
 
@@ -58,7 +62,7 @@ AliasTable::AliasTable(std::span<const double> weights) {
                                                }) -
                               m_slots.begin());
     for (const uint32_t s : small)
-        if (!is_drawable(weights[s])) m_slots[s] = {0, 0, heaviest};
+        if (m_slots[s].probability == 0) m_slots[s] = {0, 0, heaviest};
 }
 
 } // namespace ql

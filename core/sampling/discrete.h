@@ -1,8 +1,9 @@
 // A choice among n items with given weights in constant time.
 //
 // Source: Vose, "A linear algorithm for generating random numbers with a given distribution", IEEE
-// Trans. Softw. Eng. 17 (1991). Built in double precision: weights from 1e-300 to 1e300 may meet in
-// one table. The same weights give the same table. Immutable, hence safe to share between threads.
+// Trans. Softw. Eng. 17 (1991). Built in double precision: any range of weights may meet in one
+// table, but those below 2^-53 of the mean are never chosen: no random double would hit them. The
+// same weights give the same table. Immutable, hence safe to share between threads.
 #pragma once
 
 #include <cstddef>

@@ -7,7 +7,9 @@
 #include <Imath/ImathVec.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 
@@ -64,18 +66,29 @@ inline Frame frame_from_normal(const V3f& n) {
     return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
+// a where the mask is all ones, b where it is all zeros.
+inline float selected(uint32_t mask, float a, float b) {
+    return std::bit_cast<float>((std::bit_cast<uint32_t>(a) & mask) |
+                                (std::bit_cast<uint32_t>(b) & ~mask));
+}
+
 // --- Disk ----------------------------------------------------------------------------------------
 
 // Shirley & Chiu, "A low distortion map between disk and square", JGT 2 (1997).
 inline V2f square_to_uniform_disk(const V2f& u) {
     const float a = 2 * u.x - 1;
     const float b = 2 * u.y - 1;
-    const bool horizontal = std::abs(a) > std::abs(b);
-    const float r = horizontal ? a : b;
-    const float q = horizontal ? b : a;
-    if (r == 0) return {0, 0};
-    const SinCos angle = sin_cos_eighth(kPi / 4 * (q / r));
-    return horizontal ? V2f{r * angle.cos, r * angle.sin} : V2f{r * angle.sin, r * angle.cos};
+    // The larger and the smaller coordinate by integer masks, not by a branch: which half a random
+    // point falls into cannot be predicted.
+    const uint32_t horizontal = std::abs(a) > std::abs(b) ? ~0u : 0u;
+    const float r = selected(horizontal, a, b);
+    const float q = selected(horizontal, b, a);
+    constexpr float kLeast = 1e-30f; // at the centre any angle will do
+    const SinCos angle = sin_cos_eighth(kPi / 4 * (q / (std::abs(r) + kLeast)));
+    // q / |r| has the sign of q; with a negative r the angle turns the other way.
+    const float along = r * angle.cos;
+    const float across = std::abs(r) * angle.sin;
+    return {selected(horizontal, along, across), selected(horizontal, across, along)};
 }
 inline V2f uniform_disk_to_square(const V2f& p) {
     const bool horizontal = std::abs(p.x) > std::abs(p.y);
@@ -93,13 +106,13 @@ inline float uniform_disk_pdf_area(const V2f& p) {
 // A direction whose z is 1 - h, from a point of the disk: equal areas go to equal areas.
 inline V3f cap_from_disk(const V2f& disk, float height_scale) {
     const float h = disk.length2() * height_scale; // 1 - cos(theta)
-    const float scale = std::sqrt(height_scale * (2 - h));
+    const float scale = std::sqrt(height_scale * std::max(0.0f, 2 - h));
     return {disk.x * scale, disk.y * scale, 1 - h};
 }
 inline V2f disk_from_cap(const V3f& v, float height_scale) {
     // 1 - z without cancellation on the upper side.
     const float h = v.z > 0 ? (v.x * v.x + v.y * v.y) / (1 + v.z) : 1 - v.z;
-    const float scale = std::sqrt(height_scale * (2 - h));
+    const float scale = std::sqrt(height_scale * std::max(0.0f, 2 - h));
     return scale > 0 ? V2f{v.x / scale, v.y / scale} : V2f{1, 0};
 }
 

@@ -44,7 +44,7 @@ inline bool is_smooth(const Bsdf& bsdf) {
     return bsdf.alpha <= kSmoothAlpha;
 }
 
-// Rough refraction that bends less than a smooth lobe is wide passes straight.
+// Rough refraction that bends less than a smooth lobe is wide has no density.
 inline bool transmits_smoothly(const Bsdf& bsdf) {
     return is_smooth(bsdf) ||
            (!bsdf.thin_walled && bsdf.alpha * std::abs(bsdf.eta - 1) <= kSmoothAlpha);
@@ -59,6 +59,14 @@ template<uint32_t Lobes>
 bool has_rough_transmission(const Bsdf& bsdf) {
     if constexpr (!(Lobes & kLobeTransmission)) return false;
     return has<Lobes>(bsdf, kLobeTransmission) && !transmits_smoothly(bsdf);
+}
+
+// Whether reflection and transmission are told apart at a sampled half vector: if either is rough.
+template<uint32_t Lobes>
+bool transmits_at_half_vector(const Bsdf& bsdf) {
+    if constexpr (!(Lobes & kLobeTransmission)) return false;
+    return has<Lobes>(bsdf, kLobeTransmission) &&
+           (has_rough_reflection<Lobes>(bsdf) || has_rough_transmission<Lobes>(bsdf));
 }
 
 template<uint32_t Lobes>
@@ -101,7 +109,7 @@ template<uint32_t Lobes>
 V3f specular_transmission(const Bsdf& bsdf, float cos_o) {
     V3f weight(0);
     if constexpr ((Lobes & kLobeTransmission) != 0)
-        if (has<Lobes>(bsdf, kLobeTransmission) && transmits_smoothly(bsdf))
+        if (has<Lobes>(bsdf, kLobeTransmission) && !transmits_at_half_vector<Lobes>(bsdf))
             weight += bsdf.transmission * (1 - dielectric_fresnel(cos_o, relative_eta(bsdf)));
     if constexpr ((Lobes & kLobeSpecular) != 0)
         if (has<Lobes>(bsdf, kLobeSpecular) && bsdf.refraction != V3f(0)) {
@@ -133,7 +141,7 @@ LobeWeights lobe_weights(const Bsdf& bsdf, float cos_o) {
         if (bsdf.lobes & (kLobeMicrofacet | kLobeTransmission)) {
             const float fresnel = dielectric_fresnel(cos_o, relative_eta(bsdf));
             const bool reflects = has_rough_reflection<Lobes>(bsdf);
-            const bool transmits = has_rough_transmission<Lobes>(bsdf);
+            const bool transmits = transmits_at_half_vector<Lobes>(bsdf);
             if (reflects) w.microfacet += average(microfacet_reflectance(bsdf, cos_o, fresnel));
             if (transmits) w.microfacet += average(bsdf.transmission) * (1 - fresnel);
             if (reflects || transmits) w.microfacet = std::max(w.microfacet, kMinRoughWeight);
@@ -162,7 +170,7 @@ BoundaryShares boundary_shares(const Bsdf& bsdf, float cos_oh) {
     BoundaryShares s{V3f(0), V3f(0), 1};
     if (has_rough_reflection<Lobes>(bsdf))
         s.reflected = microfacet_reflectance(bsdf, cos_oh, fresnel);
-    if (has_rough_transmission<Lobes>(bsdf)) {
+    if (transmits_at_half_vector<Lobes>(bsdf)) {
         s.transmitted = bsdf.transmission * (1 - fresnel);
         const float r = average(s.reflected);
         const float t = average(s.transmitted);
@@ -258,25 +266,34 @@ BsdfValue value_and_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, const Lo
     return result;
 }
 
-// A direction of the rough microfacet lobes; u_side tells reflection from transmission.
+// A direction of the rough microfacet lobes, zero where it is lost on the wrong side of the
+// surface; u_side tells reflection from transmission.
+struct MicrofacetDirection {
+    V3f wi;
+    V3f specular_weight = {0, 0, 0}; // not zero: transmission without a density
+};
+
 template<uint32_t Lobes>
-V3f sample_microfacet(const Bsdf& bsdf, const V3f& wo, float u_side, const V2f& u) {
+MicrofacetDirection sample_microfacet(const Bsdf& bsdf, const V3f& wo, float u_side, const V2f& u) {
     const V3f h = sample_visible_normal(wo, bsdf.alpha, u);
+    const V3f mirrored = reflected(wo, h);
+    const MicrofacetDirection lost{V3f(0)};
     if constexpr ((Lobes & kLobeTransmission) != 0) {
-        if (has_rough_transmission<Lobes>(bsdf)) {
+        if (transmits_at_half_vector<Lobes>(bsdf)) {
             const BoundaryShares shares = boundary_shares<Lobes>(bsdf, wo.dot(h));
             if (u_side >= shares.reflection_probability) {
-                if (!bsdf.thin_walled) {
-                    const V3f wi = refracted(wo, h, relative_eta(bsdf));
-                    return wi.z < 0 ? wi : V3f(0); // bent back to the side of wo: lost
-                }
-                const V3f wi = reflected(wo, h);
-                return wi.z > 0 ? V3f(wi.x, wi.y, -wi.z) : V3f(0);
+                if (bsdf.thin_walled)
+                    return mirrored.z > 0
+                               ? MicrofacetDirection{V3f(mirrored.x, mirrored.y, -mirrored.z)}
+                               : lost;
+                const V3f wi = refracted(wo, h, relative_eta(bsdf));
+                if (!transmits_smoothly(bsdf)) return wi.z < 0 ? MicrofacetDirection{wi} : lost;
+                return {wi.z < 0 ? wi : -wo,
+                        shares.transmitted / (1 - shares.reflection_probability)};
             }
         }
     }
-    const V3f wi = reflected(wo, h);
-    return wi.z > 0 ? wi : V3f(0);
+    return mirrored.z > 0 ? MicrofacetDirection{mirrored} : lost;
 }
 
 inline V3f sample_phong(const Bsdf& bsdf, const V3f& wo, const V2f& u) {
@@ -287,11 +304,29 @@ inline V3f sample_phong(const Bsdf& bsdf, const V3f& wo, const V2f& u) {
 
 // Through the smooth boundary. Weight in flux; radiance changes by the square of the index.
 template<TransportMode Mode>
-BsdfSample transmitted_sample(const Bsdf& bsdf, const V3f& wo, V3f weight) {
+BsdfSample specular_transmission_sample(const Bsdf& bsdf, const V3f& wi, const V3f& weight) {
     const float eta = relative_eta(bsdf);
-    if (bsdf.thin_walled || eta <= 0 || eta == 1) return {-wo, weight, 0, true, true};
-    if constexpr (Mode == TransportMode::radiance) weight /= eta * eta;
-    return {refracted(wo, {0, 0, 1}, eta), weight, 0, true, true};
+    const bool bends = !bsdf.thin_walled && eta > 0;
+    const bool scales = bends && Mode == TransportMode::radiance;
+    return {wi, scales ? weight / (eta * eta) : weight, 0, true, true};
+}
+
+inline V3f specular_transmission_direction(const Bsdf& bsdf, const V3f& wo) {
+    const float eta = relative_eta(bsdf);
+    if (bsdf.thin_walled || eta <= 0 || eta == 1) return -wo;
+    return refracted(wo, {0, 0, 1}, eta);
+}
+
+// Lambert surfaces alone, the most common of all.
+inline BsdfValue lambert_value(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+    const float pdf = wo.z > 0 ? std::max(0.0f, wi.z) * kInvPi : 0;
+    return {bsdf.diffuse * pdf, pdf};
+}
+
+inline std::optional<BsdfSample> lambert_sample(const Bsdf& bsdf, const V3f& wo, const V2f& u) {
+    const V3f wi = square_to_cosine_hemisphere(u);
+    if (!(wi.z > 0 && wo.z > 0)) return std::nullopt;
+    return BsdfSample{wi, bsdf.diffuse, wi.z * kInvPi, false, false};
 }
 
 } // namespace detail
@@ -299,9 +334,9 @@ BsdfSample transmitted_sample(const Bsdf& bsdf, const V3f& wo, V3f weight) {
 template<uint32_t Lobes, TransportMode Mode>
 BsdfValue value_and_pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
     if constexpr (Lobes == kLobeDiffuse) {
-        const float pdf = wo.z > 0 ? std::max(0.0f, wi.z) * kInvPi : 0;
-        return {bsdf.diffuse * pdf, pdf};
+        return detail::lambert_value(bsdf, wo, wi);
     } else {
+        if (bsdf.lobes == kLobeDiffuse) return detail::lambert_value(bsdf, wo, wi);
         if (!(wo.z > detail::kMinCosine)) return {};
         const detail::LobeWeights weights = detail::lobe_weights<Lobes>(bsdf, wo.z);
         const float sum = weights.sum();
@@ -323,10 +358,9 @@ float pdf_bsdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
 template<uint32_t Lobes, TransportMode Mode>
 std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const V3f& wo, float u_lobe, V2f u) {
     if constexpr (Lobes == kLobeDiffuse) {
-        const V3f wi = square_to_cosine_hemisphere(u);
-        if (!(wi.z > 0)) return std::nullopt;
-        return BsdfSample{wi, bsdf.diffuse, wi.z * kInvPi, false, false};
+        return detail::lambert_sample(bsdf, wo, u);
     } else {
+        if (bsdf.lobes == kLobeDiffuse) return detail::lambert_sample(bsdf, wo, u);
         if (!(wo.z > detail::kMinCosine)) return std::nullopt;
         const detail::LobeWeights weights = detail::lobe_weights<Lobes>(bsdf, wo.z);
         const float sum = weights.sum();
@@ -338,7 +372,12 @@ std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const V3f& wo, float u_l
         if (rest < weights.diffuse) {
             wi = square_to_cosine_hemisphere(u);
         } else if ((rest -= weights.diffuse) < weights.microfacet) {
-            wi = detail::sample_microfacet<Lobes>(bsdf, wo, rest / weights.microfacet, u);
+            const detail::MicrofacetDirection direction =
+                detail::sample_microfacet<Lobes>(bsdf, wo, rest / weights.microfacet, u);
+            wi = direction.wi;
+            if (direction.specular_weight != V3f(0))
+                return detail::specular_transmission_sample<Mode>(
+                    bsdf, wi, direction.specular_weight * (sum / weights.microfacet));
         } else if ((rest -= weights.microfacet) < weights.phong) {
             wi = detail::sample_phong(bsdf, wo, u);
         } else {
@@ -349,8 +388,9 @@ std::optional<BsdfSample> sample_bsdf(const Bsdf& bsdf, const V3f& wo, float u_l
                 return BsdfSample{
                     {-wo.x, -wo.y, wo.z}, weights.reflection * (sum / reflection), 0, true, false};
             if (transmission <= 0) return std::nullopt;
-            return detail::transmitted_sample<Mode>(bsdf, wo,
-                                                    weights.transmission * (sum / transmission));
+            return detail::specular_transmission_sample<Mode>(
+                bsdf, detail::specular_transmission_direction(bsdf, wo),
+                weights.transmission * (sum / transmission));
         }
 
         // Weigh the direction by all non-specular lobes.

@@ -28,6 +28,10 @@ uint32_t lobes_of(const Material& material);
 // Whether any texture of this material is read.
 bool is_textured(const Material& material);
 
+// Asks memory for the texels that bsdf_at and shading_normal will read here.
+void prefetch_textures(std::span<const Texture> textures, const Material& material,
+                       const SurfaceInput& input);
+
 template<bool Textured>
 Bsdf bsdf_at(std::span<const Texture> textures, const Material& material,
              const SurfaceInput& input);

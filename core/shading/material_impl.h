@@ -72,6 +72,13 @@ inline void set_phong(Bsdf& bsdf, const Material& m, const V3f& base) {
 
 } // namespace detail
 
+inline void prefetch_textures(std::span<const Texture> textures, const Material& material,
+                              const SurfaceInput& input) {
+    prefetch_texture(textures, material.base_color_texture, input.uv);
+    prefetch_texture(textures, material.metallic_roughness_texture, input.uv);
+    prefetch_texture(textures, material.normal_texture, input.uv);
+}
+
 template<bool Textured>
 Bsdf bsdf_at(std::span<const Texture> textures, const Material& material,
              const SurfaceInput& input) {
