@@ -42,7 +42,7 @@ struct GatherConfig {
     PatternWeights weights = PatternWeights::unbiased;
     MipUse mips = MipUse::off; // pattern
     ShadowTest shadow_test = ShadowTest::on;
-    GeometryBound bound;
+    GeometryBound bound = {};
 };
 
 struct Receiver {

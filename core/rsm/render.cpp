@@ -37,7 +37,6 @@ struct PassJob {
 struct TileState {
     RsmCounts counts;
     ShadowLog log;
-    std::vector<Ray> rays; // recorded
 };
 
 // One pixel of a pass before its gather.
@@ -240,8 +239,6 @@ void RsmRenderer::render_pass() {
         const int x0 = int(tile % size_t(across)) * side, y0 = int(tile / size_t(across)) * side;
         const TileBounds bounds{x0, y0, std::min(x0 + side, sums.width()),
                                 std::min(y0 + side, sums.height())};
-        if (m_recorded && tile / size_t(across) == size_t(down) / 2)
-            states[tile].log.rays = &states[tile].rays;
         if (step > 1)
             render_tile_interpolated(job, bounds, states[tile]);
         else
@@ -252,7 +249,6 @@ void RsmRenderer::render_pass() {
     for (TileState& state : states) {
         state.counts.gather_shadow = state.log.count;
         m_counts.add(state.counts);
-        if (m_recorded) m_recorded->insert(m_recorded->end(), state.rays.begin(), state.rays.end());
     }
     ++m_passes;
 }

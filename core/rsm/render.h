@@ -67,8 +67,6 @@ class RsmRenderer {
     const RsmCounts& counts() const { return m_counts; }
     // The mean of all passes.
     Image image() const;
-    // Keeps the shadow rays of one row of tiles in the passes to come, for measurements.
-    void record_shadow_rays(std::vector<Ray>* rays) { m_recorded = rays; }
 
     struct Sums;
 
@@ -85,7 +83,6 @@ class RsmRenderer {
     PassSamples m_samples;
     std::unique_ptr<Sums> m_sums;
     RsmCounts m_counts;
-    std::vector<Ray>* m_recorded = nullptr;
     int m_passes = 0;
 };
 
