@@ -246,8 +246,7 @@ void check_lights(const Options& o, const PosedScene& posed, cli::Session& sessi
     size_t maps = 0;
     for (const MapLight& light : lights)
         maps += light.kind == Light::Kind::point ? faces : 1;
-    // Beside the texels: tables of the importance gather, or mips.
-    const double gib = double(maps * map_bytes(o.rsm.map.size)) * 2 / double(1 << 30);
+    const double gib = double(maps * map_bytes(o.rsm.map.size)) / double(1 << 30);
     if (gib > o.max_memory_gib)
         throw usage_error("{} maps of {} x {} texels take about {:.2g} GiB, --max-memory allows {}",
                           maps, o.rsm.map.size, o.rsm.map.size, gib, o.max_memory_gib);

@@ -63,26 +63,57 @@ float bounded_geometry(const Receiver& receiver, const V3f& position, const V3f&
     return at_texel * at_receiver / (d2 * bound.divisor(d2, radius2) + kTiny);
 }
 
+// A chunk of samples, on the stack: first all texels are found, then all are read, so that the
+// waits for memory overlap.
+struct Gatherer::Batch {
+    static constexpr size_t kCapacity = 128;
+    std::array<Candidate, kCapacity> items;
+    size_t count = 0;
+
+    void add(const PackedTexel* texel, float weight, size_t number) {
+        __builtin_prefetch(texel);
+        items[count++] = {texel, weight, uint32_t(number), 0, {0, 0}};
+    }
+    // Its weight follows from the density there.
+    void add(const PackedTexel* texel, size_t map, const V2f& uv, size_t number) {
+        __builtin_prefetch(texel);
+        items[count++] = {texel, 0, uint32_t(number), uint32_t(map), uv};
+    }
+    bool is_full() const { return count == kCapacity; }
+};
+
+const PackedTexel* Gatherer::Level::at(float u, float v) const {
+    const int x = std::min(int(u * float(size)), size - 1);
+    const int y = std::min(int(v * float(size)), size - 1);
+    return &texels[size_t(y) * size_t(size) + size_t(x)];
+}
+
 Gatherer::Gatherer(const EmbreeScene& scene, std::span<const ReflectiveShadowMap> maps,
                    const GatherConfig& config)
     : m_scene(scene), m_maps(maps), m_config(config) {
     QL_CHECK(config.samples >= 1 && config.radius > 0);
-    std::vector<double> map_flux, texel_flux;
-    for (const ReflectiveShadowMap& map : maps) {
+    std::vector<double> map_flux;
+    for (const ReflectiveShadowMap& map : maps)
         map_flux.push_back(mean(map.flux));
-        if (config.gather == Gather::pattern && config.mips == MipUse::on) m_mips.emplace_back(map);
-        if (config.gather != Gather::importance) continue;
-        m_first_texel.push_back(texel_flux.size());
-        for (size_t i = 0; i < map.texels.count(); ++i)
-            texel_flux.push_back(mean(V3d(map.texels.flux(i))));
-    }
     m_map_table = AliasTable(map_flux);
-    m_texel_table = AliasTable(texel_flux);
+    if (config.gather == Gather::full) return;
+    if (config.gather == Gather::importance) m_texel_table = FluxTable(maps);
+    const bool has_mips = config.gather == Gather::pattern && config.mips == MipUse::on;
+    for (const ReflectiveShadowMap& map : maps) {
+        const MipChain chain(map, has_mips ? MipLevels::all : MipLevels::first);
+        std::vector<Level>& levels = m_levels.emplace_back();
+        for (int level = 0; level < chain.levels(); ++level) {
+            const Texels& t = chain.texels(level);
+            levels.push_back({chain.size(level), std::vector<PackedTexel>(t.count())});
+            for (size_t i = 0; i < t.count(); ++i)
+                levels.back().texels[i] = {t.position(i), t.radius2[i], t.normal(i), t.offset[i],
+                                           t.flux(i)};
+        }
+    }
 }
 
-bool Gatherer::is_visible(const Receiver& receiver, const Texels& texels, size_t texel,
-                          uint32_t alpha_key, ShadowLog& log) const {
-    const V3f target = texels.position(texel) + texels.normal(texel) * texels.offset[texel];
+bool Gatherer::is_visible(const Receiver& receiver, const V3f& target, uint32_t alpha_key,
+                          ShadowLog& log) const {
     Ray ray;
     ray.origin = receiver.position + receiver.ng * receiver.offset;
     ray.direction = target - ray.origin;
@@ -92,18 +123,22 @@ bool Gatherer::is_visible(const Receiver& receiver, const Texels& texels, size_t
     return !m_scene.is_occluded(ray, alpha_key);
 }
 
-// Phi G V of one texel, without 1/pi.
-V3f Gatherer::texel_irradiance(const Receiver& receiver, const Texels& texels, size_t texel,
-                               uint32_t alpha_key, ShadowLog& log) const {
-    const V3f flux = texels.flux(texel);
-    if (flux == V3f(0, 0, 0)) return V3f(0);
-    const float g = bounded_geometry(receiver, texels.position(texel), texels.normal(texel),
-                                     texels.radius2[texel], m_config.bound);
-    if (!(g > 0)) return V3f(0);
-    if (m_config.shadow_test == ShadowTest::on &&
-        !is_visible(receiver, texels, texel, alpha_key, log))
-        return V3f(0);
-    return flux * g;
+// Sum of weight Phi G V, without 1/pi.
+V3f Gatherer::irradiance(const Receiver& receiver, const Batch& batch, uint32_t alpha_key,
+                         ShadowLog& log) const {
+    V3f sum(0);
+    for (size_t i = 0; i < batch.count; ++i) {
+        const PackedTexel& texel = *batch.items[i].texel;
+        const float g =
+            bounded_geometry(receiver, texel.position, texel.normal, texel.radius2, m_config.bound);
+        if (!(g > 0) || texel.flux == V3f(0, 0, 0) || batch.items[i].weight == 0) continue;
+        if (m_config.shadow_test == ShadowTest::on &&
+            !is_visible(receiver, texel.position + texel.normal * texel.offset,
+                        mixed(alpha_key, batch.items[i].number), log))
+            continue;
+        sum += texel.flux * (g * batch.items[i].weight);
+    }
+    return sum;
 }
 
 V3f Gatherer::irradiance(const Receiver& receiver, const PassSamples& samples,
@@ -134,7 +169,9 @@ V3f Gatherer::full(const Receiver& receiver, uint32_t alpha_key, ShadowLog& log)
                 if (!(g[i] > 0)) continue;
                 const V3f flux = texels.flux(begin + i);
                 if (flux == V3f(0, 0, 0)) continue;
-                if (is_visible(receiver, texels, begin + i, mixed(alpha_key, begin + i), log))
+                const V3f target = texels.position(begin + i) +
+                                   texels.normal(begin + i) * texels.offset[begin + i];
+                if (is_visible(receiver, target, mixed(alpha_key, begin + i), log))
                     sum += V3d(flux) * double(g[i]);
             }
         }
@@ -178,32 +215,26 @@ V3f Gatherer::map_pattern(const Receiver& receiver, size_t index, const PassSamp
     const V2f centre =
         thesis ? at.uv : V2f(std::clamp(at.uv.x, 0.0f, 1.0f), std::clamp(at.uv.y, 0.0f, 1.0f));
     const float r = m_config.radius;
+    const std::vector<Level>& levels = m_levels[index];
     V3f sum(0);
     float weights = 0;
+    Batch batch;
     for (size_t i = 0; i < samples.pattern.size(); ++i) {
         const float xi1 = samples.pattern[i].x;
         const SinCos angle = sin_cos_turns(shifted(samples.pattern[i].y, turn));
         const float weight = thesis ? xi1 * xi1 : xi1;
         weights += weight;
-        const V2f uv(centre.x + r * xi1 * angle.sin, centre.y + r * xi1 * angle.cos);
+        const float u = centre.x + r * xi1 * angle.sin, v = centre.y + r * xi1 * angle.cos;
+        if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1)) continue;
         // Read the texel, or an average as wide as the samples are apart.
-        const int64_t texel = map.texel_at(uv.x, uv.y);
-        if (texel < 0) continue;
-        const uint32_t key = mixed(alpha_key, i);
-        if (m_mips.empty()) {
-            sum += texel_irradiance(receiver, map.texels, size_t(texel), key, log) * weight;
-            continue;
-        }
-        const MipChain& mips = m_mips[index];
         const float diameter_px = float(map.size) * (r * xi1) * (r * xi1);
-        const int level = mips.level_for(diameter_px);
-        const int size = mips.size(level);
-        const int x = std::min(int(uv.x * float(size)), size - 1);
-        const int y = std::min(int(uv.y * float(size)), size - 1);
-        sum += texel_irradiance(receiver, mips.texels(level), size_t(y) * size_t(size) + size_t(x),
-                                key, log) *
-               weight;
+        const int level = levels.size() > 1 ? mip_level(diameter_px, int(levels.size())) : 0;
+        batch.add(levels[size_t(level)].at(u, v), weight, i);
+        if (!batch.is_full()) continue;
+        sum += irradiance(receiver, batch, alpha_key, log);
+        batch.count = 0;
     }
+    sum += irradiance(receiver, batch, alpha_key, log);
     if (thesis) return weights > 0 ? sum / weights : V3f(0);
     // The density of samples is 1/(2 pi r^2 xi1) per map area, and 1/size^2 is that of a texel.
     const float texels = float(map.size) * float(map.size);
@@ -211,11 +242,10 @@ V3f Gatherer::map_pattern(const Receiver& receiver, size_t index, const PassSamp
 }
 
 // Of both kinds of samples together at a point of a map, per area of the map's square.
-float Gatherer::density(size_t map, size_t texel, const V2f& uv, const V2f& centre,
+float Gatherer::density(size_t map, const V3f& flux, const V2f& uv, const V2f& centre,
                         const PassSamples& samples) const {
     const float texels = float(m_maps[map].texels.count());
-    float sum =
-        float(samples.flux.size()) * texels * m_texel_table.probability(m_first_texel[map] + texel);
+    float sum = float(samples.flux.size()) * texels * m_texel_table.probability(flux);
     const float distance = (uv - centre).length();
     if (distance < m_config.radius && distance > 0)
         sum += float(samples.around.size()) * m_map_table.probability(map) /
@@ -223,46 +253,62 @@ float Gatherer::density(size_t map, size_t texel, const V2f& uv, const V2f& cent
     return sum;
 }
 
+// A texel by flux, a point anywhere in it.
+void Gatherer::add_flux_sample(size_t i, const PassSamples& samples,
+                               const std::array<float, 3>& shift, Batch& batch) const {
+    const SampleNumbers& u = samples.flux[i];
+    const auto [map, texel, uv] =
+        m_texel_table.sample(shifted(u.pick, shift[0]), shifted(u.xi1, shift[1]));
+    batch.add(&m_levels[map][0].texels[texel], map, uv, 2 * i);
+}
+
+// A point of the disc around the receiver's place in a map.
+void Gatherer::add_disc_sample(size_t i, const PassSamples& samples,
+                               const std::array<float, 3>& shift, std::span<const V2f> centres,
+                               Batch& batch) const {
+    const SampleNumbers& u = samples.around[i];
+    const size_t map = m_maps.size() > 1 ? m_map_table.sample(shifted(u.pick, shift[0])).index : 0;
+    const SinCos angle = sin_cos_turns(shifted(u.xi2, shift[2]));
+    const float distance = m_config.radius * shifted(u.xi1, shift[1]);
+    const V2f uv(centres[map].x + distance * angle.sin, centres[map].y + distance * angle.cos);
+    if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return;
+    batch.add(m_levels[map][0].at(uv.x, uv.y), map, uv, 2 * i + 1);
+}
+
 V3f Gatherer::importance(const Receiver& receiver, const PassSamples& samples,
                          const std::array<float, 3>& shift, uint32_t alpha_key,
                          ShadowLog& log) const {
-    const auto centre_in = [&](size_t map) {
+    if (m_texel_table.empty()) return V3f(0);
+    // Where the receiver lies in each map; few scenes have more lights than fit on the stack.
+    std::array<V2f, 16> few;
+    std::vector<V2f> many(m_maps.size() > few.size() ? m_maps.size() : 0);
+    const std::span<V2f> centres = many.empty() ? std::span<V2f>(few) : std::span<V2f>(many);
+    for (size_t map = 0; map < m_maps.size(); ++map) {
         const V2f uv = m_maps[map].projection.point(receiver.position).uv;
-        return V2f(std::clamp(uv.x, 0.0f, 1.0f), std::clamp(uv.y, 0.0f, 1.0f));
-    };
+        centres[map] = {std::clamp(uv.x, 0.0f, 1.0f), std::clamp(uv.y, 0.0f, 1.0f)};
+    }
+
     V3f sum(0);
-    const auto add = [&](size_t map, size_t texel, const V2f& uv, const V2f& centre, uint32_t key) {
-        const float all = density(map, texel, uv, centre, samples);
-        if (!(all > 0) || !std::isfinite(all)) return;
-        const float texels = float(m_maps[map].texels.count());
-        sum += texel_irradiance(receiver, m_maps[map].texels, texel, key, log) * (texels / all);
+    Batch batch;
+    const auto finish = [&] {
+        for (size_t i = 0; i < batch.count; ++i) {
+            Candidate& c = batch.items[i];
+            const float all = density(c.map, c.texel->flux, c.uv, centres[c.map], samples);
+            const float texels = float(m_maps[c.map].texels.count());
+            c.weight = all > 0 && std::isfinite(all) ? texels / all : 0;
+        }
+        sum += irradiance(receiver, batch, alpha_key, log);
+        batch.count = 0;
     };
-
-    // Texels by flux, a point anywhere in each.
     for (size_t i = 0; i < samples.flux.size(); ++i) {
-        const SampleNumbers& u = samples.flux[i];
-        const size_t global = m_texel_table.sample(shifted(u.pick, shift[0])).index;
-        size_t map = m_maps.size() - 1;
-        while (m_first_texel[map] > global)
-            --map;
-        const size_t texel = global - m_first_texel[map];
-        const auto size = size_t(m_maps[map].size);
-        const V2f uv((float(texel % size) + shifted(u.xi1, shift[1])) / float(size),
-                     (float(texel / size) + shifted(u.xi2, shift[2])) / float(size));
-        add(map, texel, uv, centre_in(map), mixed(alpha_key, 2 * i));
+        add_flux_sample(i, samples, shift, batch);
+        if (batch.is_full()) finish();
     }
-
-    // Points of the disc around the receiver's place in a map.
     for (size_t i = 0; i < samples.around.size(); ++i) {
-        const SampleNumbers& u = samples.around[i];
-        const size_t map = m_map_table.sample(shifted(u.pick, shift[0])).index;
-        const V2f centre = centre_in(map);
-        const SinCos angle = sin_cos_turns(shifted(u.xi2, shift[2]));
-        const float distance = m_config.radius * shifted(u.xi1, shift[1]);
-        const V2f uv(centre.x + distance * angle.sin, centre.y + distance * angle.cos);
-        const int64_t texel = m_maps[map].texel_at(uv.x, uv.y);
-        if (texel >= 0) add(map, size_t(texel), uv, centre, mixed(alpha_key, 2 * i + 1));
+        add_disc_sample(i, samples, shift, centres, batch);
+        if (batch.is_full()) finish();
     }
+    finish();
     return sum / kPi;
 }
 

@@ -7,6 +7,7 @@
 // Thread-safe; the caller owns counters and random numbers.
 #pragma once
 
+#include "rsm/flux_table.h"
 #include "rsm/mip_chain.h"
 #include "rsm/samples.h"
 #include "sampling/discrete.h"
@@ -66,6 +67,15 @@ inline constexpr float kPlaneNoise = 0x1p-22f;
 float bounded_geometry(const Receiver& receiver, const V3f& position, const V3f& normal,
                        float radius2, const GeometryBound& bound);
 
+// A texel in one cache line, for gathers that read here and there; `full` reads arrays.
+struct alignas(64) PackedTexel {
+    V3f position;
+    float radius2;
+    V3f normal;
+    float offset;
+    V3f flux;
+};
+
 class Gatherer {
   public:
     // Maps and scene must outlive it.
@@ -91,19 +101,41 @@ class Gatherer {
                     uint32_t alpha_key, ShadowLog& log) const;
     V3f importance(const Receiver& receiver, const PassSamples& samples,
                    const std::array<float, 3>& shift, uint32_t alpha_key, ShadowLog& log) const;
-    float density(size_t map, size_t texel, const V2f& uv, const V2f& centre,
+
+    // A texel to be looked at, how much it counts, and its number for alpha decisions.
+    struct Candidate {
+        const PackedTexel* texel;
+        float weight;
+        uint32_t number;
+        uint32_t map; // importance: where it was found
+        V2f uv;
+    };
+    // Those whose texels are on their way to the cache.
+    struct Batch;
+    void add_flux_sample(size_t i, const PassSamples& samples, const std::array<float, 3>& shift,
+                         Batch& batch) const;
+    void add_disc_sample(size_t i, const PassSamples& samples, const std::array<float, 3>& shift,
+                         std::span<const V2f> centres, Batch& batch) const;
+    float density(size_t map, const V3f& flux, const V2f& uv, const V2f& centre,
                   const PassSamples& samples) const;
-    V3f texel_irradiance(const Receiver& receiver, const Texels& texels, size_t texel,
-                         uint32_t alpha_key, ShadowLog& log) const;
-    bool is_visible(const Receiver& receiver, const Texels& texels, size_t texel,
-                    uint32_t alpha_key, ShadowLog& log) const;
+    V3f irradiance(const Receiver& receiver, const Batch& batch, uint32_t alpha_key,
+                   ShadowLog& log) const;
+    bool is_visible(const Receiver& receiver, const V3f& target, uint32_t alpha_key,
+                    ShadowLog& log) const;
+
+    // The texels of a map, or of one of its mip levels.
+    struct Level {
+        int size;
+        std::vector<PackedTexel> texels;
+
+        const PackedTexel* at(float u, float v) const;
+    };
 
     const EmbreeScene& m_scene;
     std::span<const ReflectiveShadowMap> m_maps;
     GatherConfig m_config;
-    std::vector<MipChain> m_mips;      // by map, if used
-    std::vector<size_t> m_first_texel; // of each map in m_texel_table
-    AliasTable m_texel_table;          // importance: texels of all maps by flux
+    std::vector<std::vector<Level>> m_levels; // by map; of all but Gather::full
+    FluxTable m_texel_table;                  // importance
     AliasTable m_map_table;
 };
 

@@ -48,7 +48,7 @@ struct Texels {
     V3f flux(size_t i) const { return {red[i], green[i], blue[i]}; }
 };
 
-// Bytes that a map of that size takes.
+// Bytes that a map of that size takes, with what a gather keeps beside it.
 size_t map_bytes(int size);
 
 struct ReflectiveShadowMap {

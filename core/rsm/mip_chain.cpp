@@ -89,9 +89,9 @@ int MipChain::size(int level) const {
     return level == 0 ? m_map->size : m_levels[size_t(level - 1)].size;
 }
 
-int MipChain::level_for(float diameter_px) const {
+int mip_level(float diameter_px, int levels) {
     const float level = std::log2(std::max(1.0f, diameter_px));
-    return std::min(int(level + 0.5f), levels() - 1);
+    return std::min(int(level + 0.5f), levels - 1);
 }
 
 } // namespace ql

@@ -24,12 +24,13 @@ class MipChain {
     // level 0 is the map's own texels.
     const Texels& texels(int level) const;
     int size(int level) const;
-    // The level whose texels are about diameter_px wide: log2, rounded, within what there is.
-    int level_for(float diameter_px) const;
 
   private:
     const ReflectiveShadowMap* m_map;
     std::vector<MipLevel> m_levels;
 };
+
+// The level, of so many, whose texels are about diameter_px wide: log2, rounded.
+int mip_level(float diameter_px, int levels);
 
 } // namespace ql

@@ -20,8 +20,8 @@ enum class Rotation { none, white, blue };
 
 // Numbers in [0, 1).
 struct SampleNumbers {
-    double pick; // chooses a texel or a map
-    float xi1, xi2;
+    double pick;    // chooses a row of texels, or a map
+    float xi1, xi2; // xi1 chooses the texel of a row; both: a point of the disc
 };
 
 struct PassSamples {

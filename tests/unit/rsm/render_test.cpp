@@ -131,9 +131,9 @@ TEST(rsm_render, the_number_of_threads_changes_no_bit) {
 
 TEST(rsm_render, direct_light_by_ray_is_that_of_the_path_tracer) {
     const Stage stage(spot_room(), 24, kFrom, kAt);
-    EXPECT_NEAR(mean_of(stage.render(config_of(Gather::importance, 4, 1), 64), "direct.") /
+    EXPECT_NEAR(mean_of(stage.render(config_of(Gather::importance, 4, 1), 256), "direct.") /
                     mean_of(stage.reference(256), "direct."),
-                1, 0.005);
+                1, 0.01);
 }
 
 TEST(rsm_render, direct_light_by_map_nears_that_by_ray) {
