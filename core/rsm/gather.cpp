@@ -216,12 +216,13 @@ V3f Gatherer::map_pattern(const Receiver& receiver, size_t index, const PassSamp
         thesis ? at.uv : V2f(std::clamp(at.uv.x, 0.0f, 1.0f), std::clamp(at.uv.y, 0.0f, 1.0f));
     const float r = m_config.radius;
     const std::vector<Level>& levels = m_levels[index];
+    const SinCos turn_angle = sin_cos_turns(turn);
     V3f sum(0);
     float weights = 0;
     Batch batch;
     for (size_t i = 0; i < samples.pattern.size(); ++i) {
-        const float xi1 = samples.pattern[i].x;
-        const SinCos angle = sin_cos_turns(shifted(samples.pattern[i].y, turn));
+        const float xi1 = samples.pattern[i].xi1;
+        const SinCos angle = turned(samples.pattern[i].angle, turn_angle);
         const float weight = thesis ? xi1 * xi1 : xi1;
         weights += weight;
         const float u = centre.x + r * xi1 * angle.sin, v = centre.y + r * xi1 * angle.cos;
@@ -264,11 +265,11 @@ void Gatherer::add_flux_sample(size_t i, const PassSamples& samples,
 
 // A point of the disc around the receiver's place in a map.
 void Gatherer::add_disc_sample(size_t i, const PassSamples& samples,
-                               const std::array<float, 3>& shift, std::span<const V2f> centres,
-                               Batch& batch) const {
+                               const std::array<float, 3>& shift, const SinCos& turn,
+                               std::span<const V2f> centres, Batch& batch) const {
     const SampleNumbers& u = samples.around[i];
     const size_t map = m_maps.size() > 1 ? m_map_table.sample(shifted(u.pick, shift[0])).index : 0;
-    const SinCos angle = sin_cos_turns(shifted(u.xi2, shift[2]));
+    const SinCos angle = turned(u.angle, turn);
     const float distance = m_config.radius * shifted(u.xi1, shift[1]);
     const V2f uv(centres[map].x + distance * angle.sin, centres[map].y + distance * angle.cos);
     if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return;
@@ -304,8 +305,9 @@ V3f Gatherer::importance(const Receiver& receiver, const PassSamples& samples,
         add_flux_sample(i, samples, shift, batch);
         if (batch.is_full()) finish();
     }
+    const SinCos turn = sin_cos_turns(shift[2]);
     for (size_t i = 0; i < samples.around.size(); ++i) {
-        add_disc_sample(i, samples, shift, centres, batch);
+        add_disc_sample(i, samples, shift, turn, centres, batch);
         if (batch.is_full()) finish();
     }
     finish();

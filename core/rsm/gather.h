@@ -115,7 +115,7 @@ class Gatherer {
     void add_flux_sample(size_t i, const PassSamples& samples, const std::array<float, 3>& shift,
                          Batch& batch) const;
     void add_disc_sample(size_t i, const PassSamples& samples, const std::array<float, 3>& shift,
-                         std::span<const V2f> centres, Batch& batch) const;
+                         const SinCos& turn, std::span<const V2f> centres, Batch& batch) const;
     float density(size_t map, const V3f& flux, const V2f& uv, const V2f& centre,
                   const PassSamples& samples) const;
     V3f irradiance(const Receiver& receiver, const Batch& batch, uint32_t alpha_key,

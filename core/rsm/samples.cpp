@@ -16,8 +16,6 @@ constexpr float kBelowOne = 0x1.fffffep-1f;
 // quasirandom-sequences/
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kStep3[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-// In two dimensions, for where a mask is read in each of its uses.
-constexpr double kStep2[2] = {0.7548776662466927, 0.5698402909980532};
 
 double fraction(double x) {
     return x - std::floor(x);
@@ -31,10 +29,12 @@ std::vector<SampleNumbers> recurrence(int count, const CounterRandom& random, ui
     const RandomFloats start = random.block(block);
     std::vector<SampleNumbers> numbers;
     numbers.reserve(size_t(count));
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i < count; ++i) {
+        const float xi2 = float_fraction(double(start[2]) + i * kStep3[2]);
         numbers.push_back({fraction(double(start[0]) + i * kStep3[0]),
-                           float_fraction(double(start[1]) + i * kStep3[1]),
-                           float_fraction(double(start[2]) + i * kStep3[2])});
+                           float_fraction(double(start[1]) + i * kStep3[1]), xi2,
+                           sin_cos_turns(xi2)});
+    }
     return numbers;
 }
 
@@ -44,9 +44,11 @@ PassSamples pattern_samples(int samples, uint64_t seed, uint32_t pass) {
     QL_CHECK(samples >= 1);
     const RandomFloats start = CounterRandom(seed ^ kSampleKey, pass).block(0);
     PassSamples result;
-    for (int i = 0; i < samples; ++i)
-        result.pattern.emplace_back(std::min(float((i + double(start[0])) / samples), kBelowOne),
-                                    float_fraction(double(start[1]) + i * kGolden));
+    for (int i = 0; i < samples; ++i) {
+        const float xi1 = std::min(float((i + double(start[0])) / samples), kBelowOne);
+        const float xi2 = float_fraction(double(start[1]) + i * kGolden);
+        result.pattern.push_back({xi1, xi2, sin_cos_turns(xi2)});
+    }
     return result;
 }
 
@@ -66,15 +68,11 @@ std::array<float, 3> ShiftSource::shift(int x, int y, uint32_t pass) const {
             PixelRandom(hash32(seed, uint32_t(x), uint32_t(y), pass), 0).block(0);
         return {u[0], u[1], u[2]};
     }
-    std::array<float, 3> result{};
-    for (int i = 0; i < 3; ++i) {
-        // Each number reads the mask elsewhere; each pass moves all of it by the golden ratio.
-        const int dx = int(fraction(i * kStep2[0]) * mask->width());
-        const int dy = int(fraction(i * kStep2[1]) * mask->height());
-        const float value = (*mask)((x + dx) % mask->width(), (y + dy) % mask->height());
-        result[size_t(i)] = float_fraction(double(value) + pass * kGolden);
-    }
-    return result;
+    // One number of the mask moves all three, along a line: the error is then a function of that
+    // one number, which is what a scalar mask can make blue. Passes go on by the golden ratio.
+    const float value = (*mask)(x % mask->width(), y % mask->height());
+    const float t = float_fraction(double(value) + pass * kGolden);
+    return {t, t, t};
 }
 
 } // namespace ql

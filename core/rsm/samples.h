@@ -4,13 +4,13 @@
 // the spiral of Vogel 1979) from a start that depends on seed and pass alone. A pixel shifts them
 // modulo 1 (Cranley & Patterson 1976): not at all, which keeps the image coherent and shows bands;
 // by white noise; or by a blue-noise mask, which leaves an error without low frequencies (Georgiev
-// & Fajardo, "Blue-noise dithered sampling", 2016). Shifts by noise leave every estimate unbiased.
+// & Fajardo, "Blue-noise dithered sampling", 2016). Over passes and seeds every estimate stays
+// unbiased, because the starts are random.
 #pragma once
 
 #include "base/array2d.h"
 #include "sampling/random.h"
-
-#include <Imath/ImathVec.h>
+#include "sampling/warp.h"
 
 #include <vector>
 
@@ -18,14 +18,25 @@ namespace ql {
 
 enum class Rotation { none, white, blue };
 
+// (xi1, xi2) of the pattern, with sine and cosine of 2 pi xi2.
+struct PatternPoint {
+    float xi1, xi2;
+    SinCos angle;
+
+    bool operator==(const PatternPoint& other) const {
+        return xi1 == other.xi1 && xi2 == other.xi2;
+    }
+};
+
 // Numbers in [0, 1).
 struct SampleNumbers {
     double pick;    // chooses a row of texels, or a map
     float xi1, xi2; // xi1 chooses the texel of a row; both: a point of the disc
+    SinCos angle;   // of 2 pi xi2
 };
 
 struct PassSamples {
-    std::vector<Imath::V2f> pattern;   // (xi1, xi2)
+    std::vector<PatternPoint> pattern;
     std::vector<SampleNumbers> flux;   // importance: half the samples, rounded up
     std::vector<SampleNumbers> around; // importance: the rest
 };
@@ -42,6 +53,11 @@ struct ShiftSource {
 
     std::array<float, 3> shift(int x, int y, uint32_t pass) const;
 };
+
+// Sine and cosine of the sum of two angles.
+inline SinCos turned(const SinCos& a, const SinCos& b) {
+    return {a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
+}
 
 inline float shifted(float number, float shift) {
     const float sum = number + shift;

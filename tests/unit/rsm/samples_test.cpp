@@ -11,16 +11,16 @@ TEST(rsm_samples, the_pattern_has_one_point_in_each_ring) {
     const PassSamples samples = pattern_samples(100, 1, 2);
     ASSERT_EQ(samples.pattern.size(), 100u);
     for (size_t i = 0; i < 100; ++i) {
-        EXPECT_EQ(int(samples.pattern[i].x * 100), int(i));
-        EXPECT_GE(samples.pattern[i].y, 0);
-        EXPECT_LT(samples.pattern[i].y, 1);
+        EXPECT_EQ(int(samples.pattern[i].xi1 * 100), int(i));
+        EXPECT_GE(samples.pattern[i].xi2, 0);
+        EXPECT_LT(samples.pattern[i].xi2, 1);
     }
 }
 
 TEST(rsm_samples, passes_and_seeds_have_sets_of_their_own) {
-    EXPECT_EQ(pattern_samples(5, 1, 2).pattern, pattern_samples(5, 1, 2).pattern);
-    EXPECT_NE(pattern_samples(5, 1, 2).pattern, pattern_samples(5, 1, 3).pattern);
-    EXPECT_NE(pattern_samples(5, 1, 2).pattern, pattern_samples(5, 2, 2).pattern);
+    EXPECT_TRUE(pattern_samples(5, 1, 2).pattern == pattern_samples(5, 1, 2).pattern);
+    EXPECT_FALSE(pattern_samples(5, 1, 2).pattern == pattern_samples(5, 1, 3).pattern);
+    EXPECT_FALSE(pattern_samples(5, 1, 2).pattern == pattern_samples(5, 2, 2).pattern);
 }
 
 TEST(rsm_samples, importance_splits_its_samples_in_two) {
