@@ -309,7 +309,7 @@ void render_one(const Options& o, const cli::OpenScene& open, const PosedScene& 
     };
     while (renderer.passes() < o.spp && fits()) {
         {
-            const auto timer = session.phase("map");
+            const auto timer = session.phase("maps");
             renderer.prepare_pass();
         }
         const auto timer = session.phase("render");
