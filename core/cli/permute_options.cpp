@@ -4,16 +4,6 @@
 
 namespace ql::cli {
 
-namespace {
-
-OffsetKind offset_kind(const std::string& name) {
-    return name == "r2"       ? OffsetKind::r2
-           : name == "thesis" ? OffsetKind::thesis
-                              : OffsetKind::lattice;
-}
-
-} // namespace
-
 CLI::Option* add_permute_options(Tool& tool, PermuteOptions& options) {
     CLI::Option* mask = tool.app.add_option("--mask", options.mask, "Mask, PNG or EXR");
     mask->type_name("FILE");

@@ -290,7 +290,10 @@ int Tool::parse(int argc, char** argv) {
         app.parse(argc, argv);
         return 0;
     } catch (const CLI::CallForHelp&) {
-        fmt::print("{}", app.help());
+        // Not by fmt::print, whose exception would say that this is a bug.
+        const std::string help = app.help();
+        if (std::fwrite(help.data(), 1, help.size(), stdout) != help.size())
+            return report("standard output cannot be written", kExitOutput);
         return -1;
     } catch (const CLI::FileError& error) {
         return report(error.what(), int(ErrorKind::input));

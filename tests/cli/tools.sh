@@ -45,6 +45,13 @@ tool_bn_permute() {
     output exr
 }
 
+tool_rsm_render() {
+    local scene=$SRC/examples/scenes/cornell_spot.gltf
+    command "$scene" --size 16x16 --rsm-size 32 --samples 4 -o @OUT@
+    output exr
+    slow "$scene" --size 512x512 --rsm-size 64 --samples 4096 -o @OUT@
+}
+
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
 load() {
     ARGS=() SLOW=() EXT='' INPUT=''

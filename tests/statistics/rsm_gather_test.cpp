@@ -1,0 +1,265 @@
+// The gathers against the sum over all texels, and that sum against path tracing.
+#include "bluenoise/mask.h"
+#include "metrics/error.h"
+#include "metrics/statistics.h"
+#include "statistics/rsm_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace ql {
+namespace {
+
+using namespace rsm_test;
+
+constexpr double kAlpha = 1e-3;
+
+Stage small_room(int side) {
+    return Stage(spot_room(), side, {0.9, 0.8, 0.9}, {-0.3, -0.5, -0.3});
+}
+
+double block_relmse(const Image& image, const Image& reference) {
+    std::vector<ChannelPair> pairs;
+    for (const char* c : {"indirect.R", "indirect.G", "indirect.B"})
+        pairs.push_back({image.find(c), reference.find(c)});
+    return error_figures(pairs, {}, workers()).block_relmse;
+}
+
+// Means of red over passes, as estimates of the gather with every texel.
+void expect_unbiased(const GatherConfig& config, int passes) {
+    const Stage stage = small_room(6);
+    const auto maps = stage.maps({.size = 24});
+    GatherConfig full = config;
+    full.gather = Gather::full;
+    const Gatherer truth(stage.posed().rays(), maps, full);
+    const Gatherer gatherer(stage.posed().rays(), maps, config);
+    const std::vector<Receiver> receivers = stage.receivers();
+    const double level = sidak_level(kAlpha, receivers.size());
+    ShadowLog log;
+    for (size_t i = 0; i < receivers.size(); ++i) {
+        const V3f exact = truth.irradiance(receivers[i], {}, {}, 0, log);
+        std::vector<double> values;
+        for (int pass = 0; pass < passes; ++pass) {
+            const ShiftSource shifts{Rotation::white, nullptr, 7};
+            const PassSamples samples = config.gather == Gather::pattern
+                                            ? pattern_samples(config.samples, 3, uint32_t(pass))
+                                            : importance_samples(config.samples, 3, uint32_t(pass));
+            values.push_back(double(gatherer
+                                        .irradiance(receivers[i], samples,
+                                                    shifts.shift(int(i), 0, uint32_t(pass)), 0, log)
+                                        .x));
+        }
+        const SampleMoments m = sample_moments(values);
+        if (exact.x == 0) {
+            EXPECT_EQ(m.mean, 0);
+            continue;
+        }
+        const double error = std::sqrt(m.variance / double(m.count)) + 1e-6 * double(exact.x);
+        EXPECT_GT(z_test(m.mean, double(exact.x), error).p_value, level) << "receiver " << i;
+    }
+}
+
+TEST(rsm_gather, importance_is_unbiased_for_the_map) {
+    expect_unbiased({.gather = Gather::importance, .samples = 8}, 1500);
+}
+
+TEST(rsm_gather, a_pattern_that_covers_the_map_is_unbiased) {
+    expect_unbiased({.gather = Gather::pattern, .samples = 32, .radius = 1.5f}, 1500);
+}
+
+TEST(rsm_gather, importance_of_several_lights_is_unbiased) {
+    Builder b = spot_room();
+    b.light(Light::Kind::point, {0.5, 0.5, 0.5}, {0, 0, -1}, 2);
+    const Stage stage(b, 6, {0.9, 0.8, 0.9}, {-0.3, -0.5, -0.3});
+    const auto maps = stage.maps({.size = 16});
+    ASSERT_EQ(maps.size(), 2u);
+    const Gatherer truth(stage.posed().rays(), maps, {.gather = Gather::full});
+    const Gatherer gatherer(stage.posed().rays(), maps, {.samples = 64});
+    double exact = 0, estimate = 0;
+    ShadowLog log;
+    for (const Receiver& r : stage.receivers()) {
+        exact += double(truth.irradiance(r, {}, {}, 0, log).y);
+        for (uint32_t pass = 0; pass < 64; ++pass)
+            estimate +=
+                double(gatherer.irradiance(r, importance_samples(64, 1, pass), {}, 0, log).y) / 64;
+    }
+    EXPECT_NEAR(estimate / exact, 1, 0.01);
+}
+
+TEST(rsm_gather, error_of_importance_falls_with_the_root_of_the_samples) {
+    const Stage stage = small_room(8);
+    const auto maps = stage.maps({.size = 32});
+    const Gatherer truth(stage.posed().rays(), maps, {.gather = Gather::full});
+    const Gatherer gatherer(stage.posed().rays(), maps, {.samples = 4});
+    constexpr int kReplicates = 6;
+    const int passes[] = {4, 16, 64, 256};
+    double squares[4] = {};
+    ShadowLog log;
+    const std::vector<Receiver> receivers = stage.receivers();
+    for (size_t i = 0; i < receivers.size(); ++i) {
+        const double exact = double(truth.irradiance(receivers[i], {}, {}, 0, log).y);
+        for (int replicate = 0; replicate < kReplicates; ++replicate) {
+            double sum = 0;
+            for (int pass = 0, step = 0; step < 4; ++pass) {
+                if (pass == passes[step]) squares[step++] += std::pow(sum / pass - exact, 2);
+                const uint32_t number = uint32_t(replicate * 1000 + pass);
+                const ShiftSource shifts{Rotation::white, nullptr, 5};
+                sum += double(gatherer
+                                  .irradiance(receivers[i], importance_samples(4, 3, number),
+                                              shifts.shift(int(i), 1, number), 0, log)
+                                  .y);
+            }
+        }
+    }
+    // Least squares of log(rms) over log(passes), equally spaced.
+    double slope = 0;
+    for (int i = 0; i < 4; ++i)
+        slope += (i - 1.5) * 0.5 * std::log(squares[i]) / (5 * std::log(4.0));
+    EXPECT_NEAR(slope, -0.5, 0.05);
+}
+
+TEST(rsm_gather, error_of_importance_falls_at_least_as_fast_with_samples_within_a_pass) {
+    const Stage stage = small_room(8);
+    const auto maps = stage.maps({.size = 32});
+    const Gatherer truth(stage.posed().rays(), maps, {.gather = Gather::full});
+    const std::vector<Receiver> receivers = stage.receivers();
+    double rms[2] = {};
+    ShadowLog log;
+    for (int step = 0; step < 2; ++step) {
+        const int samples = step == 0 ? 16 : 1024;
+        const Gatherer gatherer(stage.posed().rays(), maps, {.samples = samples});
+        for (const Receiver& r : receivers)
+            for (uint32_t pass = 0; pass < 4; ++pass)
+                rms[step] +=
+                    std::pow(double((gatherer.irradiance(r, importance_samples(samples, 9, pass),
+                                                         {}, 0, log) -
+                                     truth.irradiance(r, {}, {}, 0, log))
+                                        .y),
+                             2);
+    }
+    EXPECT_LT(0.5 * std::log(rms[1] / rms[0]) / std::log(64.0), -0.45);
+}
+
+TEST(rsm_gather, full_nears_path_tracing_as_the_map_grows) {
+    const Stage stage(cornell_spot(), 32);
+    const Image reference = stage.reference(1024);
+    double before = 1;
+    for (const int size : {12, 24, 48}) {
+        const Image image = stage.render(config_of(Gather::full, size), 2);
+        const double error = block_relmse(image, reference);
+        EXPECT_LT(error, 0.75 * before) << size;
+        before = error;
+    }
+    EXPECT_LT(before, 0.006);
+}
+
+// Means over tiles of 4 x 4 pixels of one rendering after the other.
+std::vector<std::vector<double>> tile_means(int side, int count,
+                                            const std::function<Image(int)>& render) {
+    std::vector<std::vector<double>> tiles(size_t(side / 4 * side / 4));
+    for (int i = 0; i < count; ++i) {
+        const Image image = render(i);
+        const Array2D<float>& green = *image.find("indirect.G");
+        std::vector<double> sums(tiles.size());
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x)
+                sums[size_t(y / 4 * (side / 4) + x / 4)] += double(green(x, y)) / 16;
+        for (size_t t = 0; t < tiles.size(); ++t)
+            tiles[t].push_back(sums[t]);
+    }
+    return tiles;
+}
+
+double least_p_value(const std::vector<std::vector<double>>& a,
+                     const std::vector<std::vector<double>>& b) {
+    double least = 1;
+    for (size_t t = 0; t < a.size(); ++t)
+        least = std::min(least, welch_test(sample_moments(a[t]), sample_moments(b[t])).p_value);
+    return least;
+}
+
+// The camera looks into a corner of the room, where the bound takes most.
+TEST(rsm_gather, compensation_leaves_no_bias_against_path_tracing) {
+    constexpr int kSide = 16, kRuns = 24;
+    const Stage stage(spot_room(), kSide, {0.3, 0.2, 0.2}, {-0.6, -1, -1}, 60);
+    const auto traced =
+        tile_means(kSide, kRuns, [&](int i) { return stage.reference(256, uint64_t(i) + 50); });
+    const auto gathered = [&](GeometryBound bound, Compensate compensate) {
+        return tile_means(kSide, kRuns, [&, bound, compensate](int i) {
+            RsmConfig config = config_of(Gather::importance, 12, 16);
+            config.map.point = TexelPoint::jittered;
+            config.gather.bound = bound;
+            config.compensate = compensate;
+            config.seed = uint64_t(i) + 1;
+            return stage.render(config, 16);
+        });
+    };
+    const double level = sidak_level(kAlpha, traced.size());
+    EXPECT_GT(least_p_value(gathered({}, Compensate::yes), traced), level);
+    EXPECT_GT(least_p_value(gathered({0, 0.04f}, Compensate::yes), traced), level);
+    EXPECT_LT(least_p_value(gathered({}, Compensate::no), traced), level);
+}
+
+TEST(rsm_gather, compensation_works_for_perspective_maps_and_every_kind_of_light) {
+    Builder b = spot_room();
+    b.light(Light::Kind::point, {0.6, 0.5, -0.2}, {0, 0, -1}, 1);
+    const Stage stage(b, 16, {0.3, 0.2, 0.2}, {-0.6, -1, -1}, 60);
+    const double traced = mean_of(stage.reference(4096), "indirect.");
+    for (const MapKind kind : {MapKind::equal_area, MapKind::perspective}) {
+        RsmConfig config = config_of(Gather::importance, 16, 64);
+        config.map.kind = kind;
+        config.map.point = TexelPoint::jittered;
+        config.compensate = Compensate::yes;
+        EXPECT_NEAR(mean_of(stage.render(config, 96), "indirect.") / traced, 1, 0.01);
+    }
+}
+
+TEST(rsm_gather, directional_light_on_an_open_scene_matches_path_tracing) {
+    Builder b;
+    const int grey = b.material({0.5f, 0.6f, 0.7f});
+    b.quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, grey);
+    b.quad({-1, 0, -1}, {2, 0, 0}, {0, 1.5, 0}, grey);
+    b.light(Light::Kind::directional, {0, 0, 0}, {0.3, -1, -0.6}, 3);
+    const Stage stage(b, 16, {0, 1, 2}, {0, 0.4, 0});
+    RsmConfig config = config_of(Gather::importance, 32, 64);
+    config.map.point = TexelPoint::jittered;
+    config.compensate = Compensate::yes;
+    EXPECT_NEAR(mean_of(stage.render(config, 64), "indirect.") /
+                    mean_of(stage.reference(4096), "indirect."),
+                1, 0.01);
+}
+
+TEST(rsm_gather, blue_shifts_leave_less_visible_error_than_white_ones) {
+    const Stage stage(cornell_spot(), 64);
+    Progress progress;
+    const Array2D<uint32_t> ranks = mask_ranks({.width = 64, .height = 64}, progress);
+    Array2D<float> mask(64, 64);
+    for (size_t i = 0; i < ranks.size(); ++i)
+        mask[i] = (float(ranks[i]) + 0.5f) / 4096;
+    RsmConfig config = config_of(Gather::full, 48);
+    config.pixel = PixelPoint::centre;
+    const Image exact = stage.render(config, 1);
+    config.gather.gather = Gather::importance;
+    config.mask = mask;
+    for (const int samples : {16, 64}) {
+        config.gather.samples = samples;
+        // What is left of the error after a blur, summed over seeds.
+        double error[2] = {};
+        for (config.seed = 0; config.seed < 4; ++config.seed)
+            for (const int blue : {0, 1}) {
+                config.rotation = blue ? Rotation::blue : Rotation::white;
+                const Image image = stage.render(config, 1);
+                const ChannelPair pair{image.find("indirect.G"), exact.find("indirect.G")};
+                ErrorConfig errors;
+                errors.sigmas_px = {1.5};
+                error[blue] +=
+                    error_figures(std::span(&pair, 1), errors, workers()).perceptual[0].mse;
+            }
+        EXPECT_LT(error[1], 0.75 * error[0]) << samples << " samples";
+    }
+}
+
+} // namespace
+} // namespace ql
