@@ -1,6 +1,5 @@
 // bn-permute: the seed texture of the next frame, from a frame by any renderer and its seeds.
-#include "bluenoise/permute.h"
-#include "cli/tool.h"
+#include "cli/permute_options.h"
 
 #include <algorithm>
 
@@ -9,12 +8,10 @@ using namespace ql;
 namespace {
 
 struct Options {
-    std::string image, seeds, mask, channel, motion, depth, next, similar, output;
-    std::vector<std::string> retarget;
-    std::string offsets = "lattice", reproject = "off";
+    std::string image, seeds, motion, depth, next, similar, output;
     int64_t frame = 0;
-    bool jitter = false;
-    PermuteConfig permute;
+    cli::PermuteOptions permute;
+    uint64_t seed = 0;
     FileFormat format = FileFormat::by_extension;
 };
 
@@ -23,53 +20,33 @@ void add_options(cli::Tool& tool, Options& options) {
         return tool.app.add_option(name, path, what)->type_name("FILE");
     };
     file("--image", options.image, "Frame as rendered: linear, not accumulated")->required();
-    file("--mask", options.mask, "Mask, PNG or EXR")->required();
-    tool.app.add_option("--channel", options.channel, "Channel of the mask, if it has several");
+    cli::add_permute_options(tool, options.permute)->required();
     file("--seeds", options.seeds, "Seeds of the frame, channel seed; without: fresh ones");
-    file("--retarget", options.retarget, "Textures of bn-anneal for this mask");
     tool.app.add_option("--frame", options.frame, "Number of the frame")
         ->check(CLI::Range(int64_t(0), int64_t(1) << 31));
-    tool.app.add_option("--offsets", options.offsets, "How the mask moves from frame to frame")
-        ->check(CLI::IsMember({"lattice", "r2", "thesis"}));
-    tool.app
-        .add_option("--block", options.permute.block_px,
-                    "Side of the blocks that are sorted, pixels; 1: no sort")
-        ->check(CLI::Range(1, 64));
-    tool.app.add_flag("--block-jitter", options.jitter, "Another lattice of blocks each frame");
-    tool.app.add_option("--reproject", options.reproject, "Follow motion: of the image or by tile")
-        ->check(CLI::IsMember({"off", "image", "tile"}));
     file("--motion", options.motion,
          "Motion to the next frame, channels motion.X motion.Y, pixels");
     file("--depth", options.depth, "Depth Z with camera matrices in the header; needs --next");
     file("--next", options.next, "Any image with the next frame's camera matrices");
     file("--similar", options.similar,
          "Sort among like surfaces only: channels id, N.X N.Y N.Z, albedo.R albedo.G albedo.B");
-    tool.app
-        .add_option("--refresh", options.permute.refresh_frames,
-                    "Fresh seeds for every K-th frame; 0: never")
-        ->check(CLI::NonNegativeNumber);
-    tool.add_seed(options.permute.seed);
+    tool.add_seed(options.seed);
     tool.add_output(options.output, "Seeds of the next frame, .exr");
     tool.add_format(options.format);
 }
 
-void check_combination(Options& options) {
+void check_combination(const Options& options) {
     const bool moving = !options.motion.empty() || !options.depth.empty();
-    if (options.reproject != "off" && !moving)
+    if (options.permute.reproject != "off" && !moving)
         throw usage_error("--reproject needs --motion, or --depth and --next");
-    if (options.reproject == "off" && moving)
+    if (options.permute.reproject == "off" && moving)
         throw usage_error("--motion and --depth need --reproject image or tile");
     if (!options.motion.empty() && !options.depth.empty())
         throw usage_error("--motion and --depth exclude each other");
     if (options.depth.empty() != options.next.empty())
         throw usage_error("--depth and --next need each other");
-    if (options.reproject != "off" && options.retarget.empty())
-        throw usage_error("--reproject needs --retarget");
     if (file_format(options.output, options.format) != FileFormat::exr)
         throw usage_error("{}: seeds are written as EXR", options.output);
-    options.permute.block_jitter = options.jitter ? BlockJitter::on : BlockJitter::off;
-    if (options.reproject == "image") options.permute.reproject = ReprojectMode::image;
-    if (options.reproject == "tile") options.permute.reproject = ReprojectMode::tile;
 }
 
 // Puts the names of files in front of what is wrong with them.
@@ -141,12 +118,8 @@ Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
 Array2D<uint32_t> read_seeds(const Options& options, const Permuter& permuter,
                              cli::Session& session) {
     if (options.seeds.empty()) return permuter.fresh_seeds(options.frame);
-    const Image image = session.read_image(options.seeds);
-    const Array2D<uint32_t>* seeds = image.find_uint("seed");
-    if (!seeds)
-        throw input_error("{}: channels {}, expected an unsigned channel 'seed'", options.seeds,
-                          image.channel_names());
-    return about(options.seeds, [&] { return permuter.padded_seeds(*seeds, options.frame); });
+    const Array2D<uint32_t> seeds = cli::read_seeds(session, options.seeds);
+    return about(options.seeds, [&] { return permuter.padded_seeds(seeds, options.frame); });
 }
 
 bool is_permutation_of(const Array2D<uint32_t>& a, const Array2D<uint32_t>& b) {
@@ -162,16 +135,12 @@ void run(Options& options, cli::Session& session) {
     // Read the frame, the mask and the textures
     const Image image = session.read_image(options.image);
     const Array2D<float> intensity = intensity_plane(image, options.image);
-    const Mask mask =
-        mask_from_image(session.read_image(options.mask), options.channel, options.mask);
-    std::vector<RetargetTexture> textures;
-    for (const std::string& path : options.retarget)
-        for (RetargetTexture& texture : retarget_textures(session.read_image_parts(path), path))
-            textures.push_back(std::move(texture));
-    options.permute.offsets = permute_offsets(offset_kind(options.offsets), mask, textures);
-    const std::string files = fmt::format("{}", fmt::join(options.retarget, ", "));
+    cli::PermuteInputs inputs = cli::read_permute_inputs(session, options.permute);
+    inputs.config.seed = options.seed;
+    const std::string files = fmt::format("{}", fmt::join(options.permute.retarget, ", "));
     const Permuter permuter = about(files, [&] {
-        return Permuter(mask, std::move(textures), options.permute, image.width, image.height);
+        return Permuter(inputs.mask, std::move(inputs.textures), inputs.config, image.width,
+                        image.height);
     });
     const Array2D<uint32_t> seeds = read_seeds(options, permuter, session);
     const auto motion = read_motion(options, image.width, image.height, session);
@@ -186,7 +155,7 @@ void run(Options& options, cli::Session& session) {
             permuter.next_seeds(seeds, options.frame, guides, session.workers());
     }
     const Array2D<uint32_t>& next = *result.find_uint("seed");
-    const int refresh = options.permute.refresh_frames;
+    const int refresh = inputs.config.refresh_frames;
     const bool refreshed = refresh > 0 && (options.frame + 1) % refresh == 0;
     const bool bijection = is_permutation_of(seeds, next);
     QL_CHECK(bijection || refreshed);
@@ -197,7 +166,7 @@ void run(Options& options, cli::Session& session) {
     ImageWriteConfig write = session.image_config();
     write.format = options.format;
     session.write_image(options.output, result, write);
-    const Imath::V2i step = retarget_step(options.permute.offsets, options.frame);
+    const Imath::V2i step = retarget_step(inputs.config.offsets, options.frame);
     const Imath::V2i shift = permuter.image_motion(guides);
     cli::Json& json = session.stats().result;
     json["bijection"] = bijection;
