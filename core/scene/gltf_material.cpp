@@ -1,5 +1,6 @@
 #include "scene/gltf_material.h"
 
+#include "scene/gltf_specular_glossiness.h"
 #include "scene/gltf_texture.h"
 #include "scene/gltf_value.h"
 
@@ -97,9 +98,8 @@ void read_transmission(GltfImport& in, const tinygltf::Material& source, const s
     }
 }
 
-void read_metallic_roughness(GltfImport& in, const tinygltf::Material& source,
+void read_metallic_roughness(GltfImport& in, const tinygltf::PbrMetallicRoughness& pbr,
                              const std::string& where, Material& material) {
-    const auto& pbr = source.pbrMetallicRoughness;
     material.model = MaterialModel::metallic_roughness;
     material.metallic = float(clamped(in, pbr.metallicFactor, {0, 1}, where + " metallicFactor"));
     material.roughness =
@@ -108,7 +108,6 @@ void read_metallic_roughness(GltfImport& in, const tinygltf::Material& source,
         material.metallic_roughness_texture =
             texture_use(in, pbr.metallicRoughnessTexture, Transfer::linear,
                         where + " metallicRoughnessTexture");
-    read_transmission(in, source, where, material);
 }
 
 void read_phong(GltfImport& in, const ExtensionObject& phong, Material& material) {
@@ -131,26 +130,22 @@ void read_phong(GltfImport& in, const ExtensionObject& phong, Material& material
     material.base_color_texture = texture_use(in, phong.object("diffuseTexture"), Transfer::srgb);
 }
 
-void refuse_specular_glossiness(const GltfImport& in, const tinygltf::Material& source,
-                                const std::string& where) {
-    constexpr const char* kName = "KHR_materials_pbrSpecularGlossiness";
-    const auto& required = in.model.extensionsRequired;
-    if (source.extensions.contains(kName) &&
-        std::find(required.begin(), required.end(), kName) != required.end())
-        throw in.error("{}: requires the extension {}, which is not supported", where, kName);
+// The base colour and metallic-roughness factors, from whichever extension describes them.
+tinygltf::PbrMetallicRoughness base_of(GltfImport& in, const tinygltf::Material& source,
+                                       const std::string& where) {
+    const auto specular =
+        extension(in, source.extensions, "KHR_materials_pbrSpecularGlossiness", where);
+    return specular ? converted_specular_glossiness(in, *specular) : source.pbrMetallicRoughness;
 }
 
 Material material_from(GltfImport& in, const tinygltf::Material& source, const std::string& where) {
-    refuse_specular_glossiness(in, source, where);
-    if (source.extensions.contains("KHR_materials_pbrSpecularGlossiness"))
-        in.warn("{}: ignores the extension KHR_materials_pbrSpecularGlossiness", where);
     Material material;
     material.name = source.name;
     material.double_sided = source.doubleSided;
     read_alpha(in, source, where, material);
     const auto phong = extension(in, source.extensions, "QL_materials_phong", where);
     // The Phong extension has a diffuse texture of its own: the one of glTF's model is not read.
-    tinygltf::PbrMetallicRoughness pbr = source.pbrMetallicRoughness;
+    tinygltf::PbrMetallicRoughness pbr = base_of(in, source, where);
     if (phong) pbr.baseColorTexture = {};
     read_base_color(in, pbr, where, material);
     if (!phong && source.extensions.contains("KHR_materials_unlit")) {
@@ -160,10 +155,12 @@ Material material_from(GltfImport& in, const tinygltf::Material& source, const s
     material.ior = read_ior(in, source, where);
     read_emission(in, source, where, material);
     read_normal_map(in, source, where, material);
-    if (phong)
+    if (phong) {
         read_phong(in, *phong, material);
-    else
-        read_metallic_roughness(in, source, where, material);
+    } else {
+        read_metallic_roughness(in, pbr, where, material);
+        read_transmission(in, source, where, material);
+    }
     return material;
 }
 

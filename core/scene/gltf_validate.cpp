@@ -9,12 +9,13 @@ namespace ql {
 
 namespace {
 
-constexpr std::array<std::string_view, 15> kSupportedExtensions = {
+constexpr std::array<std::string_view, 16> kSupportedExtensions = {
     "EXT_texture_webp",
     "KHR_implicit_shapes",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",
@@ -27,12 +28,10 @@ constexpr std::array<std::string_view, 15> kSupportedExtensions = {
     "QL_shape_material",
 };
 
-// Extensions whose use is looked at where it occurs: data without compression beside the
-// compressed, or materials that are used at all.
-constexpr std::array<std::string_view, 3> kCheckedAtUse = {
+// Refused where it turns out that there is no uncompressed data beside the compressed.
+constexpr std::array<std::string_view, 2> kCheckedAtUse = {
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
-    "KHR_materials_pbrSpecularGlossiness",
 };
 
 template<class List>
