@@ -58,6 +58,23 @@ std::optional<ShaftPlace> locate(const VoxelGrid& grid, int patches, const V3d& 
     return std::nullopt;
 }
 
+bool patches_touch(int patches, const ShaftEnds& ends) {
+    const auto range = [&](int face, int patch, int axis) {
+        if (axis == face / 2) {
+            const int plane = face % 2 ? patches : 0;
+            return std::pair(plane, plane);
+        }
+        const int low = axis == (face / 2 + 1) % 3 ? patch % patches : patch / patches;
+        return std::pair(low, low + 1);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = range(ends.entry_face, ends.entry_patch, axis);
+        const auto b = range(ends.exit_face, ends.exit_patch, axis);
+        if (a.second < b.first || b.second < a.first) return false;
+    }
+    return true;
+}
+
 double etendue(const V3d& voxel, int patches, const ShaftEnds& ends) {
     constexpr int kSteps = 20;
     // Points of a patch, squeezed towards both ends by 3 s^2 - 2 s^3.

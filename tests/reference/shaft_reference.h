@@ -9,6 +9,9 @@ namespace ql::reference {
 std::optional<ShaftPlace> locate(const VoxelGrid& grid, int patches, const V3d& point,
                                  const V3d& direction);
 
+// Whether two patches share at least a corner.
+bool patches_touch(int patches, const ShaftEnds& ends);
+
 // Midpoint rule with points that gather where patches touch.
 double etendue(const V3d& voxel, int patches, const ShaftEnds& ends);
 
