@@ -6,8 +6,8 @@
 #include "scene/scene_hash.h"
 
 #include <charconv>
-#include <memory>
 #include <cmath>
+#include <memory>
 
 namespace {
 
@@ -70,13 +70,11 @@ void declare(cli::Tool& tool, Options& o) {
     for (const char* name : {"--camera", "--look-from", "--look-at", "--fov", "--size"})
         tool.app.remove_option(tool.app.get_option(name));
     tool.add_output(o.output, "Cache, deep .exr")->required(false);
-    tool.app
-        .add_option("--info", o.info, "Say what a cache is and holds; needs no scene")
+    tool.app.add_option("--info", o.info, "Say what a cache is and holds; needs no scene")
         ->type_name("CACHE");
     tool.app
         .add_option_function<std::string>(
-            "--photons",
-            [&o](const std::string& text) { o.inject.photons = parse_photons(text); },
+            "--photons", [&o](const std::string& text) { o.inject.photons = parse_photons(text); },
             "Photons of all lights together, or a range A:B of their numbers")
         ->type_name("N|A:B")
         ->default_str("1000000");
@@ -104,8 +102,7 @@ void declare(cli::Tool& tool, Options& o) {
         .add_option("--max-depth", o.inject.max_depth,
                     "Scatterings between light and camera, both parts of the path together")
         ->check(CLI::Range(2, 1 << 16));
-    tool.app
-        .add_option("--add", o.add, "Add to this cache of other photons of the same run")
+    tool.app.add_option("--add", o.add, "Add to this cache of other photons of the same run")
         ->type_name("CACHE");
     tool.add_seed(o.inject.seed);
 }
@@ -134,8 +131,8 @@ void print_info(const std::string& path, cli::Session& session) {
     line("lower corner", fmt::format("{:g}, {:g}, {:g} m", h.lower.x, h.lower.y, h.lower.z));
     line("patches", fmt::format("{} x {} a face, {} directed shafts a voxel", h.patches, h.patches,
                                 directed_shaft_count(h.patches)));
-    line("shafts", fmt::format("{} with light, {} bytes in memory", cache.size(),
-                               cache.memory_bytes()));
+    line("shafts",
+         fmt::format("{} with light, {} bytes in memory", cache.size(), cache.memory_bytes()));
     line("photons", fmt::format("{}:{}", h.photon_count(), ranges));
     line("seed", fmt::format("{}", h.seed));
     line("max depth", fmt::format("{}", h.max_depth));
@@ -150,8 +147,7 @@ void print_info(const std::string& path, cli::Session& session) {
                               {"memory_bytes", cache.memory_bytes()}};
 }
 
-void report(const InjectReport& r, const LightCache& cache,
-            cli::Stats& stats) {
+void report(const InjectReport& r, const LightCache& cache, cli::Stats& stats) {
     const double unit = std::ldexp(1.0, -kOrderBits);
     double stored = 0;
     for (const int64_t weight : cache.header.weight_by_order)
@@ -181,9 +177,10 @@ void run(Options& o, cli::Session& session) {
     if (o.scene.paths.empty()) throw usage_error("no scene, expected a glTF file");
     if (o.output.empty()) throw usage_error("--output is required");
     if (o.inject.estimator != Estimator::energy)
-        session.warn(fmt::format("--estimator {} is not radiometric: brightness depends on the "
-                                 "unit of length and falls with the number of lights; see ls-inject(1)",
-                                 name_of(o.inject.estimator)));
+        session.warn(
+            fmt::format("--estimator {} is not radiometric: brightness depends on the "
+                        "unit of length and falls with the number of lights; see ls-inject(1)",
+                        name_of(o.inject.estimator)));
     const cli::OpenScene open = cli::open_scene(session, o.scene, cli::LightNeed::required);
     std::unique_ptr<PosedScene> posed;
     {

@@ -106,8 +106,8 @@ DeepHeader header_of(const Imf::Header& header) {
     constexpr int64_t kMaxSide = 1 << 30;
     if (window.min.x != 0 || window.min.y != 0 || width < 1 || height < 1 || width > kMaxSide ||
         height > kMaxSide || uint64_t(width) * uint64_t(height) > (uint64_t{1} << 31))
-        throw std::runtime_error(fmt::format("{} x {} pixels, expected fewer than 2^31, from 0, 0",
-                                             width, height));
+        throw std::runtime_error(
+            fmt::format("{} x {} pixels, expected fewer than 2^31, from 0, 0", width, height));
     result.width = int(width);
     result.height = int(height);
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {

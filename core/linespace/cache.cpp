@@ -73,8 +73,8 @@ uint64_t CacheHeader::photon_count() const {
 }
 
 size_t LightCache::memory_bytes() const {
-    return first.size() * sizeof(uint64_t) +
-           size() * (2 * sizeof(uint32_t) + sizeof(ShaftSum)) + measures.size() * sizeof(float);
+    return first.size() * sizeof(uint64_t) + size() * (2 * sizeof(uint32_t) + sizeof(ShaftSum)) +
+           measures.size() * sizeof(float);
 }
 
 VoxelGrid grid_of(const CacheHeader& header, const RenderSpace& space) {

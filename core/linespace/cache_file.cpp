@@ -29,8 +29,8 @@ std::vector<DeepChannel> channels_of(Estimator estimator) {
 class Digest {
   public:
     void add(uint64_t word) {
-        m_state = std::rotl(m_state ^ (word * 0x87c37b91114253d5), 31) * 0x4cf5ad432745937f +
-                  0x52dce729;
+        m_state =
+            std::rotl(m_state ^ (word * 0x87c37b91114253d5), 31) * 0x4cf5ad432745937f + 0x52dce729;
     }
     void add(double value) { add(std::bit_cast<uint64_t>(value)); }
     uint64_t value() const {
@@ -134,8 +134,7 @@ int integer_of(const DeepHeader& header, const std::string& key, int low, int hi
 template<class T>
 T number_of(std::string_view text, const std::string& key, int base = 10) {
     T value{};
-    const auto [end, error] =
-        std::from_chars(text.data(), text.data() + text.size(), value, base);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
     if (error != std::errc() || end != text.data() + text.size())
         throw input_error("{} is '{}', expected a number", key, text.substr(0, 40));
     return value;
@@ -205,13 +204,14 @@ CacheHeader cache_header(const DeepHeader& header) {
     if (!std::isfinite(h.unit) || h.unit < 0)
         throw input_error("ql:unit is {}, expected a finite power", h.unit);
     h.photons = ranges_of(value_of<std::string>(header, "ql:photons"));
-    for (const std::string_view part : split(value_of<std::string>(header, "ql:weight_by_order")))
+    const std::string orders = value_of<std::string>(header, "ql:weight_by_order");
+    for (const std::string_view part : split(orders))
         h.weight_by_order.push_back(number_of<int64_t>(part, "ql:weight_by_order"));
     if (h.weight_by_order.size() != size_t(h.max_depth) - 1)
         throw input_error("ql:weight_by_order has {} numbers, expected {}",
                           h.weight_by_order.size(), h.max_depth - 1);
-    h.unclassified = number_of<int64_t>(value_of<std::string>(header, "ql:unclassified"),
-                                        "ql:unclassified");
+    h.unclassified =
+        number_of<int64_t>(value_of<std::string>(header, "ql:unclassified"), "ql:unclassified");
     return h;
 }
 

@@ -99,10 +99,14 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
     check(config, emission);
     const VoxelGrid grid = grid_over(world, config.grid);
 
-    PhotonContext context{scene.rays(),     emission,
-                          grid,             config.patches,
-                          config.estimator, config.max_depth - 1,
-                          config.seed,      1 / world.space.scale,
+    PhotonContext context{scene.rays(),
+                          emission,
+                          grid,
+                          config.patches,
+                          config.estimator,
+                          config.max_depth - 1,
+                          config.seed,
+                          1 / world.space.scale,
                           {}};
     for (const Material& material : source.materials)
         context.takes_light.push_back(takes_light(material));
@@ -113,8 +117,8 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
     auto start = Clock::now();
     ShaftAccumulator sums(grid.size(), cache.header.sum_bits);
     if (!emission.empty())
-        report.photons = trace_all(context, photon_tracer_for(source), config.photons, sums,
-                                   workers, progress);
+        report.photons =
+            trace_all(context, photon_tracer_for(source), config.photons, sums, workers, progress);
     else
         report.photons.weight_by_order = cache.header.weight_by_order;
     sums.move_to(cache);

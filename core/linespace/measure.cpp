@@ -171,7 +171,8 @@ class ShaftLines {
         if (m_entry.axis == m_exit.axis) return;
         const auto side = [&](const PatchRectangle& r, int axis, int other_face) {
             const bool high_face = other_face % 2 == 1;
-            const bool touches = high_face ? r.high[axis] > 1 - m_size / 2 : r.low[axis] < m_size / 2;
+            const bool touches =
+                high_face ? r.high[axis] > 1 - m_size / 2 : r.low[axis] < m_size / 2;
             return !touches ? 0 : high_face ? 1 : -1;
         };
         const int a = side(m_entry, m_exit.axis, ends.exit_face);
@@ -303,9 +304,8 @@ class BlockCounter {
         float low = 0, high = 1;
         for (int i = 0; i < 8; ++i) {
             const float middle = (low + high) / 2;
-            const bool solid =
-                m_alpha_test->is_solid(m_world, triangle.primitive.surface,
-                                       triangle.primitive.triangle, u, v, middle);
+            const bool solid = m_alpha_test->is_solid(m_world, triangle.primitive.surface,
+                                                      triangle.primitive.triangle, u, v, middle);
             (solid ? low : high) = middle;
         }
         return low == 0 ? 0 : high == 1 ? 1 : low;
@@ -320,10 +320,9 @@ class BlockCounter {
         const V3d o = m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]);
         const V3d d = to_render(lines.dx[i], lines.dy[i], lines.dz[i]);
         double from = 0;
-        while (const auto hit = intersect_shape(*shape.surface->implicit,
-                                                shape.surface->body_from_render.point(o),
-                                                shape.surface->body_from_render.vector(d), from,
-                                                1)) {
+        while (const auto hit = intersect_shape(
+                   *shape.surface->implicit, shape.surface->body_from_render.point(o),
+                   shape.surface->body_from_render.vector(d), from, 1)) {
             found.push_back({float(hit->t), 1, shape.takes_light});
             from = hit->t + 1e-9;
         }
@@ -369,8 +368,8 @@ ShareEstimate share_of(const ShaftLines& shaft, const BlockCounter& counter, boo
 } // namespace
 
 MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
-                             const MeasureConfig& config, LightCache& cache,
-                             const Workers& workers, Progress& progress) {
+                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
+                             Progress& progress) {
     const VoxelGrid grid = grid_of(cache.header, world.space);
     const int patches = cache.header.patches;
     const uint32_t directed = directed_shaft_count(patches);

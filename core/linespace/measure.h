@@ -4,8 +4,9 @@
 // coming from the light's side first meet such a surface inside the voxel; for the caustic layer
 // the mean number of such surfaces on a line. Lines join low-discrepancy points on both patches; a
 // first set of 32 decides how many more a shaft needs. An unbiased f makes 1/f biased, so that one
-// hit and one line are added, (n + 1)/(K + 1): its inverse is unbiased but for (1 - f)^(K + 1), and finite where
-// no line of the sample meets anything. Depends on the scene, the grid and the shaft alone.
+// hit and one line are added, (n + 1)/(K + 1): its inverse is unbiased but for (1 - f)^(K + 1), and
+// finite where no line of the sample meets anything. Depends on the scene, the grid and the shaft
+// alone.
 #pragma once
 
 #include "base/progress.h"
@@ -17,8 +18,8 @@
 namespace ql {
 
 struct MeasureConfig {
-    int max_lines = 256;   // a shaft, a multiple of 32
-    int enough_hits = 24;  // that the number of lines aims at
+    int max_lines = 256;  // a shaft, a multiple of 32
+    int enough_hits = 24; // that the number of lines aims at
 };
 
 struct MeasureReport {
@@ -29,7 +30,7 @@ struct MeasureReport {
 
 // Fills cache.measures. alpha_test may be null where no material has an alpha mode.
 MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
-                             const MeasureConfig& config, LightCache& cache,
-                             const Workers& workers, Progress& progress);
+                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
+                             Progress& progress);
 
 } // namespace ql

@@ -67,8 +67,7 @@ inline float adjoint_factor(const PathVertex& vertex, const V3f& b) {
 template<uint32_t Lobes, uint32_t Attributes>
 class PhotonKernel {
   public:
-    PhotonKernel(const PhotonContext& context, std::vector<Deposit>& deposits,
-                 PhotonCounts& counts)
+    PhotonKernel(const PhotonContext& context, std::vector<Deposit>& deposits, PhotonCounts& counts)
         : m_context(context), m_world(context.rays.world()), m_deposits(deposits),
           m_counts(counts) {}
 
@@ -115,8 +114,8 @@ void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double d
     const V3f& weight = flight.weight;
     const int64_t order_weight = std::llrint(
         (double(weight.x) + double(weight.y) + double(weight.z)) / 3 * (1 << kOrderBits));
-    const auto place = locate(m_context.grid, m_context.patches, start_of(vertex, vertex.wo),
-                              V3d(vertex.wo));
+    const auto place =
+        locate(m_context.grid, m_context.patches, start_of(vertex, vertex.wo), V3d(vertex.wo));
     if (!place) {
         m_counts.unclassified += order_weight;
         return;
@@ -157,8 +156,7 @@ void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
         ++m_counts.vertices;
         const SurfacePoint point = surface_point<Attributes>(m_world, ray, hit);
         const Material& material = m_world.scene->materials[size_t(point.material)];
-        const PathVertex vertex =
-            path_vertex<Attributes>(m_world, point, material, -ray.direction);
+        const PathVertex vertex = path_vertex<Attributes>(m_world, point, material, -ray.direction);
 
         // Store light that has been scattered at least once.
         flight.weight = weakened(flight.weight, vertex, double(hit.t), flight.scatterings);

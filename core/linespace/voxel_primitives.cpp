@@ -89,8 +89,8 @@ bool overlaps_box(const std::array<V3d, 3>& corners, const V3d& size) {
     const std::array<V3d, 3> edges = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
     const auto separates = [&](const V3d& axis) {
         const double p0 = axis.dot(v[0]), p1 = axis.dot(v[1]), p2 = axis.dot(v[2]);
-        const double reach = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) +
-                             half.z * std::abs(axis.z);
+        const double reach =
+            half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
         return std::min({p0, p1, p2}) > reach || std::max({p0, p1, p2}) < -reach;
     };
     for (int axis = 0; axis < 3; ++axis) {

@@ -17,8 +17,8 @@ float mean(const V3f& v) {
 V3f direction_at(const V3f& axis, double cosine, double turns) {
     const SinCos phi = sin_cos_turns(float(turns));
     const auto sine = float(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))));
-    return frame_from_normal(axis).world_from_local({sine * phi.cos, sine * phi.sin,
-                                                     float(cosine)});
+    return frame_from_normal(axis).world_from_local(
+        {sine * phi.cos, sine * phi.sin, float(cosine)});
 }
 
 } // namespace
@@ -96,7 +96,8 @@ EmittedPhoton LightEmission::from_far(const LightSet::Punctual& light, V2f u) co
     const V2f disc = square_to_uniform_disk(u) * radius;
     const Frame frame = frame_from_normal(light.axis);
     const V3f centre = bounds.isEmpty() ? V3f(0) : V3f(bounds.center());
-    const V3f origin = centre + frame.s * disc.x + frame.t * disc.y - light.axis * (1.001f * radius);
+    const V3f origin =
+        centre + frame.s * disc.x + frame.t * disc.y - light.axis * (1.001f * radius);
     return {origin, light.axis, light.intensity * (kPi * radius * radius), V3f(0)};
 }
 
