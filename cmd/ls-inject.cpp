@@ -92,6 +92,10 @@ void declare(cli::Tool& tool, Options& o) {
                     "Patches per side of a voxel's face (N); 15 N^4 shafts a voxel")
         ->check(CLI::Range(1, kMaxPatches));
     tool.app
+        .add_option("--normal-classes", o.inject.normal_classes,
+                    "Classes of surface normals kept apart in a shaft: 6 (by axis) or 1")
+        ->check(CLI::IsMember({1, 6}));
+    tool.app
         .add_option_function<std::string>(
             "--estimator",
             [&o](const std::string& name) { o.inject.estimator = estimator_named(name); },
@@ -129,8 +133,8 @@ void print_info(const std::string& path, cli::Session& session) {
     line("voxels", fmt::format("{} x {} x {} of {} m, {} with light", h.voxels[0], h.voxels[1],
                                h.voxels[2], printed(h.cell), filled));
     line("lower corner", fmt::format("{:g}, {:g}, {:g} m", h.lower.x, h.lower.y, h.lower.z));
-    line("patches", fmt::format("{} x {} a face, {} directed shafts a voxel", h.patches, h.patches,
-                                directed_shaft_count(h.patches)));
+    line("patches", fmt::format("{} x {} a face, {} directed shafts a voxel, normals in {} classes",
+                                h.patches, h.patches, h.directed(), h.normal_classes));
     line("shafts",
          fmt::format("{} with light, {} bytes in memory", cache.size(), cache.memory_bytes()));
     line("photons", fmt::format("{}:{}", h.photon_count(), ranges));

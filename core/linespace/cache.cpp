@@ -37,6 +37,7 @@ void require_fit(const CacheHeader& a, const CacheHeader& b, const std::string& 
     };
     require(a.scene_hash == b.scene_hash, "the scene");
     require(a.estimator == b.estimator, "the estimator");
+    require(a.normal_classes == b.normal_classes, "the number of normal classes");
     require(a.patches == b.patches && a.voxels == b.voxels, "the number of voxels or patches");
     require(a.lower == b.lower && a.cell == b.cell, "the grid");
     require(a.max_depth == b.max_depth, "the depth");

@@ -1,10 +1,12 @@
 // The Linespace cache: light sums of directed shafts, exact, ordered by voxel and shaft.
 //
 // Sums are integers: weights in units of 2^-sum_bits of `unit`. Integer sums do not depend on any
-// order, so a cache is the same for any number of threads and any split into shards. A voxel has
-// two layers of directed shafts: numbers below 30 N^4 hold light that entered the voxel through the
-// shaft's face (the gated layer); the same numbers plus 30 N^4 hold caustics, light that came from
-// its lamp over mirrors and glass alone, wherever those are.
+// order, so a cache is the same for any number of threads and any split into shards.
+//
+// The number of an entry is shaft + 30 N^4 (class + C layer): the directed shaft, the class of the
+// surface's normal out of C (6 or 1), and the layer. Layer 0 holds light that entered the voxel
+// through the shaft's face; layer 1 holds caustics, light that came from its lamp over mirrors and
+// glass alone, wherever those are.
 #pragma once
 
 #include "linespace/grid.h"
@@ -40,6 +42,7 @@ using ShaftSum = std::array<int64_t, 3>;
 struct CacheHeader {
     Estimator estimator = Estimator::energy;
     int patches = 4;                       // N
+    int normal_classes = 6;                // C: 6 or 1
     std::array<int, 3> voxels = {1, 1, 1}; // grid
     V3d lower = {0, 0, 0};                 // corner of the grid, metres
     V3d cell = {1, 1, 1};                  // size of a voxel, metres
@@ -56,6 +59,9 @@ struct CacheHeader {
     int64_t unclassified = 0; // weight of photons that no shaft takes, in units of 2^-16
 
     uint64_t photon_count() const;
+    uint32_t directed() const { return directed_shaft_count(patches); }
+    // The first number of the caustic layer; twice that is the end of all numbers.
+    uint32_t caustics_from() const { return directed() * uint32_t(normal_classes); }
     uint64_t voxel_count() const {
         return uint64_t(voxels[0]) * uint64_t(voxels[1]) * uint64_t(voxels[2]);
     }

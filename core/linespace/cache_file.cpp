@@ -48,7 +48,7 @@ uint64_t digest_of(const LightCache& cache) {
     const CacheHeader& h = cache.header;
     Digest digest;
     for (const int value : {int(h.estimator), h.patches, h.voxels[0], h.voxels[1], h.voxels[2],
-                            h.max_depth, h.sum_bits})
+                            h.max_depth, h.sum_bits, h.normal_classes})
         digest.add(uint64_t(value));
     for (int axis = 0; axis < 3; ++axis) {
         digest.add(h.lower[axis]);
@@ -100,6 +100,7 @@ DeepHeader deep_header(const LightCache& cache, const std::string& software) {
                        {"ql:version", kCacheVersion},
                        {"ql:estimator", name_of(h.estimator)},
                        {"ql:patches", h.patches},
+                       {"ql:normal_classes", h.normal_classes},
                        {"ql:voxels_x", h.voxels[0]},
                        {"ql:voxels_y", h.voxels[1]},
                        {"ql:voxels_z", h.voxels[2]},
@@ -183,6 +184,9 @@ CacheHeader cache_header(const DeepHeader& header) {
     CacheHeader h;
     h.estimator = estimator_named(value_of<std::string>(header, "ql:estimator"));
     h.patches = integer_of(header, "ql:patches", 1, kMaxPatches);
+    h.normal_classes = integer_of(header, "ql:normal_classes", 1, 6);
+    if (h.normal_classes != 1 && h.normal_classes != 6)
+        throw input_error("ql:normal_classes is {}, expected 1 or 6", h.normal_classes);
     const char* const counts[] = {"ql:voxels_x", "ql:voxels_y", "ql:voxels_z"};
     for (size_t axis = 0; axis < 3; ++axis)
         h.voxels[axis] = integer_of(header, counts[axis], 1, kMaxVoxelsPerSide);
@@ -233,7 +237,7 @@ class CacheReader : public DeepReader {
     uint64_t on_header(const DeepHeader& header) override {
         cache.header = cache_header(header);
         digest = number_of<uint64_t>(value_of<std::string>(header, "ql:digest"), "ql:digest", 16);
-        return 2 * uint64_t{directed_shaft_count(cache.header.patches)};
+        return 2 * uint64_t{cache.header.caustics_from()};
     }
 
     void on_sample_counts(std::span<const uint32_t> counts, uint64_t total) override {
@@ -249,7 +253,7 @@ class CacheReader : public DeepReader {
     void on_row(int y, const DeepRow& row) override {
         const bool measured = cache.header.estimator == Estimator::energy;
         const std::vector<uint32_t>& shafts = row.back();
-        const uint32_t end = 2 * directed_shaft_count(cache.header.patches);
+        const uint32_t end = 2 * cache.header.caustics_from();
         size_t voxel = size_t(y) * size_t(cache.header.voxels[0]);
         for (size_t i = 0; i < shafts.size(); ++i) {
             while (cache.shafts.size() >= cache.first[voxel + 1])

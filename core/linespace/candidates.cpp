@@ -185,11 +185,11 @@ ShaftCandidates::ShaftCandidates(const World& world, const ReadTable& table, con
             }
             triangles.push_back(corners);
         }
-        for (size_t s = 0; s < shafts.size() && shafts[s] < directed; ++s)
+        for (size_t s = 0; s < shafts.size() && shafts[s] < table.caustics_from(); ++s)
             for (size_t i = 0; i < triangles.size(); ++i) {
                 const Primitive& p = m_voxels.of(voxel)[i];
                 if (world.surfaces[p.surface].kind == Surface::Kind::triangles &&
-                    !overlaps_hull(hulls[shafts[s] / 2], triangles[i]))
+                    !overlaps_hull(hulls[shafts[s] % directed / 2], triangles[i]))
                     continue;
                 lists[n].push_back(p);
                 ++counts[n][s];
@@ -204,11 +204,11 @@ ShaftCandidates::ShaftCandidates(const World& world, const ReadTable& table, con
     }
 }
 
-bool ShaftCandidates::intersect(const Ray& ray, const ShaftPlace& place, Hit& hit) const {
-    const auto entry = m_table.find(place.voxel, place.shaft);
+bool ShaftCandidates::intersect(const Ray& ray, uint32_t voxel, uint32_t number, Hit& hit) const {
+    const auto entry = m_table.find(voxel, number);
     const std::span<const Primitive> list =
         entry ? std::span(m_items).subspan(m_first[*entry], m_first[*entry + 1] - m_first[*entry])
-              : m_voxels.of(place.voxel);
+              : m_voxels.of(voxel);
     hit.t = ray.t_far;
     bool found = false;
     for (const Primitive& primitive : list)

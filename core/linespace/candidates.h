@@ -31,8 +31,8 @@ class ShaftCandidates {
     // The table must outlive it. Errors: ErrorKind::usage where a material has an alpha mode.
     ShaftCandidates(const World& world, const ReadTable& table, const Workers& workers);
 
-    // The nearest hit up to ray.t_far on a ray from a point of that shaft.
-    bool intersect(const Ray& ray, const ShaftPlace& place, Hit& hit) const;
+    // The nearest hit up to ray.t_far on a ray from a point of that shaft. number: of the entry.
+    bool intersect(const Ray& ray, uint32_t voxel, uint32_t number, Hit& hit) const;
 
     size_t memory_bytes() const {
         return m_first.size() * sizeof(uint64_t) +

@@ -33,6 +33,7 @@ CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const Injec
     CacheHeader header;
     header.estimator = config.estimator;
     header.patches = config.patches;
+    header.normal_classes = config.normal_classes;
     header.voxels = grid.counts;
     header.lower = space.to_world(grid.lower);
     header.cell = grid.cell / space.scale;
@@ -48,6 +49,7 @@ CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const Injec
 
 void check(const InjectConfig& config, const LightEmission& emission) {
     QL_CHECK(config.patches >= 1 && config.patches <= kMaxPatches);
+    QL_CHECK(config.normal_classes == 1 || config.normal_classes == 6);
     QL_CHECK(config.max_depth >= 2);
     QL_CHECK(config.photons.begin < config.photons.end);
     if (config.estimator != Estimator::energy && !emission.empty() && !emission.is_punctual())
@@ -103,6 +105,7 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
                           emission,
                           grid,
                           config.patches,
+                          config.normal_classes,
                           config.estimator,
                           config.max_depth - 1,
                           config.seed,

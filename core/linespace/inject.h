@@ -16,6 +16,7 @@ namespace ql {
 struct InjectConfig {
     GridConfig grid;
     int patches = 4; // N, 1 to kMaxPatches
+    int normal_classes = 6;
     Estimator estimator = Estimator::energy;
     int max_depth = 5; // scatterings of the joined path, at least 2
     uint64_t seed = 0;

@@ -19,8 +19,13 @@ struct LocalTriangle {
     V3f corner, edge1, edge2;
     V3f low, high; // its box
     Primitive primitive;
+    V3f normal; // edge1 x edge2
+    int front_class = 0, back_class = 0;
     float alpha = 1; // below 1: ask the alpha test
     bool takes_light = false;
+
+    // Class of the normal on the side that a line of direction d comes from.
+    int class_towards(const V3f& d) const { return normal.dot(d) < 0 ? front_class : back_class; }
 };
 
 struct LocalShape {
@@ -35,7 +40,7 @@ struct VoxelGeometry {
 };
 
 VoxelGeometry geometry_of(const World& world, const VoxelGrid& grid, uint32_t voxel,
-                          std::span<const Primitive> primitives) {
+                          std::span<const Primitive> primitives, int classes) {
     VoxelGeometry geometry;
     const V3d lower = grid.corner(voxel);
     for (const Primitive& primitive : primitives) {
@@ -61,6 +66,11 @@ VoxelGeometry geometry_of(const World& world, const VoxelGrid& grid, uint32_t vo
             triangle.high[axis] =
                 float(std::max({local[0][axis], local[1][axis], local[2][axis]}) + 1e-5);
         }
+        const V3d normal =
+            (V3d(corners[1]) - V3d(corners[0])).cross(V3d(corners[2]) - V3d(corners[0]));
+        triangle.normal = triangle.edge1.cross(triangle.edge2);
+        triangle.front_class = normal_class(normal, classes);
+        triangle.back_class = normal_class(-normal, classes);
         triangle.primitive = primitive;
         triangle.takes_light = takes_light(material);
         if (material.alpha_mode != AlphaMode::opaque) {
@@ -219,19 +229,20 @@ void intersect_block(const LocalTriangle& triangle, const LineBlock& lines,
 struct LineHit {
     float t;
     float alpha;
-    bool takes_light;
+    int normal_class; // -1: takes no light
 };
 
 // How much a block of lines counts: for the gated layer the first surface, for caustics all.
 class BlockCounter {
   public:
     BlockCounter(const World& world, const AlphaTest* alpha_test, const VoxelGrid& grid,
-                 uint32_t voxel, const VoxelGeometry& geometry)
+                 uint32_t voxel, const VoxelGeometry& geometry, int classes)
         : m_world(world), m_alpha_test(alpha_test), m_grid(grid), m_lower(grid.corner(voxel)),
-          m_geometry(geometry) {}
+          m_geometry(geometry), m_classes(classes) {}
 
-    // Keeps the triangles whose boxes meet the box of the shaft.
-    void choose(const PatchRectangle& a, const PatchRectangle& b) {
+    // Keeps the triangles whose boxes meet the box of the shaft; surfaces of that class count.
+    void choose(const PatchRectangle& a, const PatchRectangle& b, int wanted_class) {
+        m_wanted_class = wanted_class;
         m_chosen.clear();
         V3f low, high;
         for (int axis = 0; axis < 3; ++axis) {
@@ -260,11 +271,15 @@ class BlockCounter {
             }
         }
         double met = 0;
-        for (size_t i = 0; i < kBlock; ++i)
-            if (lines.nearest[i] >= 0 && m_chosen[size_t(lines.nearest[i])]->takes_light) {
-                hits += double(lines.weight[i]);
-                met += 1;
-            }
+        for (size_t i = 0; i < kBlock; ++i) {
+            if (lines.nearest[i] < 0) continue;
+            const LocalTriangle& triangle = *m_chosen[size_t(lines.nearest[i])];
+            if (!triangle.takes_light ||
+                triangle.class_towards({lines.dx[i], lines.dy[i], lines.dz[i]}) != m_wanted_class)
+                continue;
+            hits += double(lines.weight[i]);
+            met += 1;
+        }
         return met;
     }
 
@@ -277,7 +292,10 @@ class BlockCounter {
             for (size_t i = 0; i < kBlock; ++i)
                 if (t[i] <= 1)
                     found[i].push_back(
-                        {t[i], alpha_of(*triangle, u[i], v[i]), triangle->takes_light});
+                        {t[i], alpha_of(*triangle, u[i], v[i]),
+                         triangle->takes_light
+                             ? triangle->class_towards({lines.dx[i], lines.dy[i], lines.dz[i]})
+                             : -1});
         }
         for (const LocalShape& shape : m_geometry.shapes)
             for (size_t i = 0; i < kBlock; ++i)
@@ -289,7 +307,8 @@ class BlockCounter {
                       [](const LineHit& a, const LineHit& b) { return a.t < b.t; });
             double share = 0, passed = 1;
             for (const LineHit& hit : found[i]) {
-                if (hit.takes_light) share += (caustic ? 1 : passed) * double(hit.alpha);
+                if (hit.normal_class == m_wanted_class)
+                    share += (caustic ? 1 : passed) * double(hit.alpha);
                 passed *= 1 - double(hit.alpha);
             }
             hits += share * double(lines.weight[i]);
@@ -323,7 +342,10 @@ class BlockCounter {
         while (const auto hit = intersect_shape(
                    *shape.surface->implicit, shape.surface->body_from_render.point(o),
                    shape.surface->body_from_render.vector(d), from, 1)) {
-            found.push_back({float(hit->t), 1, shape.takes_light});
+            V3f normal = detail::transformed(shape.surface->render_from_normal, V3f(hit->normal));
+            if (normal.dot(V3f(d)) > 0) normal = -normal;
+            found.push_back(
+                {float(hit->t), 1, shape.takes_light ? normal_class(normal, m_classes) : -1});
             from = hit->t + 1e-9;
         }
     }
@@ -333,8 +355,18 @@ class BlockCounter {
     const VoxelGrid& m_grid;
     V3d m_lower;
     const VoxelGeometry& m_geometry;
+    int m_classes;
+    int m_wanted_class = 0;
     std::vector<const LocalTriangle*> m_chosen;
 };
+
+// How many hits and lines are added so that the inverse of the share is unbiased: one would be
+// right for random lines. Stratified lines vary less the more of them hit; the constant is that at
+// which the mean of indirect light in a Cornell box agrees with path tracing.
+double added_hits(double met) {
+    constexpr double kStratified = 0.3;
+    return (1 + kStratified * met) / (1 + met);
+}
 
 struct ShareEstimate {
     double share;
@@ -360,8 +392,8 @@ ShareEstimate share_of(const ShaftLines& shaft, const BlockCounter& counter, boo
             wanted = std::clamp(wanted, kBlock, config.max_lines);
         }
         if (lines < wanted) continue;
-        const double mean = weights / lines;
-        return {(hits + mean) / (weights + mean), lines, met > 0};
+        const double added = added_hits(met) * weights / lines;
+        return {(hits + added) / (weights + added), lines, met > 0};
     }
 }
 
@@ -372,7 +404,8 @@ MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
                              Progress& progress) {
     const VoxelGrid grid = grid_of(cache.header, world.space);
     const int patches = cache.header.patches;
-    const uint32_t directed = directed_shaft_count(patches);
+    const int classes = cache.header.normal_classes;
+    const uint32_t directed = cache.header.directed();
     const EtendueTable etendue(cache.header.cell, patches);
     const size_t voxels = grid.size();
     std::vector<char> wanted(voxels);
@@ -388,14 +421,15 @@ MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
     progress.start("measuring shafts", filled.size());
     workers.for_each(filled.size(), [&](size_t n) {
         const uint32_t voxel = filled[n];
-        const VoxelGeometry geometry = geometry_of(world, grid, voxel, primitives.of(voxel));
-        BlockCounter counter(world, alpha_test, grid, voxel, geometry);
+        const VoxelGeometry geometry =
+            geometry_of(world, grid, voxel, primitives.of(voxel), classes);
+        BlockCounter counter(world, alpha_test, grid, voxel, geometry, classes);
         for (uint64_t i = cache.first[voxel]; i < cache.first[voxel + 1]; ++i) {
-            const bool caustic = cache.shafts[i] >= directed;
-            const uint32_t number = caustic ? cache.shafts[i] - directed : cache.shafts[i];
-            const ShaftEnds ends = shaft_ends(number, patches);
+            const bool caustic = cache.shafts[i] >= cache.header.caustics_from();
+            const int wanted_class = int(cache.shafts[i] / directed) % classes;
+            const ShaftEnds ends = shaft_ends(cache.shafts[i] % directed, patches);
             const ShaftLines shaft(ends, patches, grid.cell, voxel, cache.shafts[i]);
-            counter.choose(shaft.entry(), shaft.exit());
+            counter.choose(shaft.entry(), shaft.exit(), wanted_class);
             const ShareEstimate estimate = share_of(shaft, counter, caustic, config);
             cache.measures[i] = float(etendue(ends) * estimate.share);
             reports[n].lines += uint64_t(estimate.lines);

@@ -20,6 +20,7 @@ struct PhotonContext {
     const LightEmission& emission;
     VoxelGrid grid; // render space
     int patches = 4;
+    int normal_classes = 6;
     Estimator estimator = Estimator::energy;
     int max_scatterings = 4; // of light paths
     uint64_t seed = 0;
@@ -120,12 +121,14 @@ void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double d
         m_counts.unclassified += order_weight;
         return;
     }
-    uint32_t shaft = place->shaft;
+    const uint32_t directed = directed_shaft_count(m_context.patches);
+    uint32_t shaft =
+        place->shaft + directed * uint32_t(normal_class(vertex.ng, m_context.normal_classes));
     if (m_context.estimator == Estimator::energy) {
         // Light that did not enter through the voxel's face belongs to no shaft: the camera path
         // finds it by going on. Caustics have a layer of their own, wherever they come from.
         if (flight.only_specular)
-            shaft += directed_shaft_count(m_context.patches);
+            shaft += directed * uint32_t(m_context.normal_classes);
         else if (distance <= place->t_entry) {
             ++m_counts.gated;
             return;

@@ -48,9 +48,9 @@ uint32_t parent_of(uint32_t directed, int patches) {
 ReadTable::ReadTable(const LightCache& cache, const RenderSpace& space, const LightSet& lights,
                      const ReadTableConfig& config, const Workers& workers)
     : m_grid(grid_of(cache.header, space)), m_patches(cache.header.patches),
-      m_directed_shafts(directed_shaft_count(m_patches)), m_estimator(cache.header.estimator),
-      m_first(cache.first), m_shafts(cache.shafts), m_radiance(cache.size()),
-      m_share(cumulative_shares(cache.header.weight_by_order)) {
+      m_classes(cache.header.normal_classes), m_directed_shafts(directed_shaft_count(m_patches)),
+      m_estimator(cache.header.estimator), m_first(cache.first), m_shafts(cache.shafts),
+      m_radiance(cache.size()), m_share(cumulative_shares(cache.header.weight_by_order)) {
     const double stored_from_real = std::ldexp(1.0, -lights.exponent());
     constexpr size_t kBlock = 1 << 16;
     workers.for_each((cache.size() + kBlock - 1) / kBlock, [&](size_t block) {
@@ -61,7 +61,7 @@ ReadTable::ReadTable(const LightCache& cache, const RenderSpace& space, const Li
         }
     });
     m_has_caustics = std::any_of(m_shafts.begin(), m_shafts.end(),
-                                 [&](uint32_t shaft) { return shaft >= m_directed_shafts; });
+                                 [&](uint32_t shaft) { return shaft >= caustics_from(); });
     if (config.shrinkage > 0 && m_patches % 2 == 0 && m_estimator == Estimator::energy)
         shrink(cache, config.shrinkage, workers);
 }
@@ -83,8 +83,9 @@ void ReadTable::shrink(const LightCache& cache, double shrinkage, const Workers&
             return 1 / (1 + double(cache.measures[m_first[voxel] + i]) / reference);
         };
         const auto group_of = [&](size_t i) -> Group* {
-            return shafts[i] < m_directed_shafts ? &groups[parent_of(shafts[i], m_patches)]
-                                                 : nullptr;
+            if (shafts[i] >= caustics_from()) return nullptr;
+            const uint32_t shaft = shafts[i] % m_directed_shafts;
+            return &groups[parent_of(shaft, m_patches) + (shafts[i] - shaft)];
         };
         for (size_t i = 0; i < shafts.size(); ++i)
             if (Group* group = group_of(i)) {

@@ -27,6 +27,11 @@ class ReadTable {
     const VoxelGrid& grid() const { return m_grid; }
     int patches() const { return m_patches; }
     uint32_t directed_shafts() const { return m_directed_shafts; }
+    // The number of an entry of the gated layer, and what leads from there to the caustic layer.
+    uint32_t number_of(uint32_t shaft, const V3f& normal) const {
+        return shaft + m_directed_shafts * uint32_t(normal_class(normal, m_classes));
+    }
+    uint32_t caustics_from() const { return m_directed_shafts * uint32_t(m_classes); }
     bool has_caustics() const { return m_has_caustics; }
     Estimator estimator() const { return m_estimator; }
     size_t memory_bytes() const {
@@ -62,6 +67,7 @@ class ReadTable {
 
     VoxelGrid m_grid;
     int m_patches;
+    int m_classes;
     uint32_t m_directed_shafts;
     Estimator m_estimator;
     bool m_has_caustics = false;

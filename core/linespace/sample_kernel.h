@@ -287,11 +287,12 @@ bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, cons
     const int left = m_context.config.max_depth - path.scatterings - 1;
     if (!place) return true;
     ++m_counts.reads;
+    const uint32_t number = table.number_of(place->shaft, v.at.ng);
 
     // Caustics need no gate.
     if (table.has_caustics() && left >= 1) {
         const V3f light = detail::times(
-            path.throughput, table.radiance(place->voxel, place->shaft + table.directed_shafts()));
+            path.throughput, table.radiance(place->voxel, number + table.caustics_from()));
         sample.caustic += light;
         sample.indirect += light;
     }
@@ -301,20 +302,19 @@ bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, cons
     Hit hit;
     ++m_counts.rays.indirect;
     const bool stays = m_context.candidates
-                           ? m_context.candidates->intersect(near, *place, hit)
+                           ? m_context.candidates->intersect(near, place->voxel, number, hit)
                            : m_context.rays.intersect(near, path.key() + 0x9e3779b9u, hit);
     if (stays) {
         ++m_counts.near_hits;
         path.hit = hit;
         return true;
     }
-    const auto entry = table.find(place->voxel, place->shaft);
-    if (!entry) {
+    const V3f radiance = table.radiance(place->voxel, number);
+    if (detail::is_black(radiance)) {
         ++m_counts.dark;
         return m_context.config.fallback == Fallback::trace;
     }
-    const V3f light = detail::times(path.throughput, table.radiance(place->voxel, place->shaft)) *
-                      table.share_up_to(left);
+    const V3f light = detail::times(path.throughput, radiance) * table.share_up_to(left);
     sample.cached += light;
     sample.indirect += light;
     return false;

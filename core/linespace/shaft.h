@@ -13,6 +13,7 @@
 #include "linespace/grid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -53,6 +54,18 @@ constexpr uint32_t directed_shaft(const ShaftEnds& ends, int patches) {
 }
 
 ShaftEnds shaft_ends(uint32_t directed, int patches);
+
+// The class of a surface's normal: its dominant axis and sign (6 classes), or 0. Keeps light on the
+// two sides of a wall, or on a floor and the wall beside it, apart within a shaft. The axes have
+// slightly different weights: normals halfway between two axes occur, and rounding must not decide.
+template<class V>
+int normal_class(const V& normal, int classes) {
+    if (classes == 1) return 0;
+    const double w[3] = {std::abs(double(normal.x)), std::abs(double(normal.y)) * 1.0371,
+                         std::abs(double(normal.z)) * 0.9713};
+    const int axis = w[0] >= w[1] && w[0] >= w[2] ? 0 : w[1] >= w[2] ? 1 : 2;
+    return 2 * axis + (double(normal[axis]) < 0 ? 1 : 0);
+}
 
 // Where a line from a point towards the light lies.
 struct ShaftPlace {

@@ -28,6 +28,7 @@ PathVertex path_vertex(const World& world, const SurfacePoint& point, const Mate
         ns = -ns;
     }
     if constexpr (Attributes != 0) ns = detail::facing_normal(ns, wo);
+    ns += V3f(0); // no negative zeros: frames depend on the sign of z
     const Frame frame = frame_from_normal(ns);
     return {point.position,
             point.offset,
