@@ -201,7 +201,7 @@ void run(Options& o, cli::Session& session) {
     {
         const auto timer = session.phase("write");
         session.stats().output.push_back(o.output);
-        write_cache(o.output, cache, session.image_config().software);
+        write_cache(o.output, cache);
     }
     report(injected, cache, session.stats());
     if (injected.photons.discarded > 0)

@@ -21,7 +21,7 @@ void run(const Options& o, cli::Session& session) {
     }
     const auto timer = session.phase("write");
     session.stats().output.push_back(o.output);
-    write_cache(o.output, sum, session.image_config().software);
+    write_cache(o.output, sum);
     session.stats().result = {{"photons", sum.header.photon_count()}, {"shafts", sum.size()}};
 }
 

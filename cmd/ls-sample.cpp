@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <charconv>
 #include <memory>
+#include <optional>
 
 namespace {
 
 using namespace ql;
+
+constexpr double kDefaultShrinkage = 1;
 
 // A length in metres or in voxels.
 struct Length {
@@ -23,7 +26,7 @@ struct Length {
 struct Options {
     cli::SceneOptions scene;
     SampleConfig sample;
-    ReadTableConfig table;
+    std::optional<double> shrinkage; // none: kDefaultShrinkage where patches can be grouped
     Length blur;
     int max_depth = 0; // 0: that of the cache
     bool no_roulette = false;
@@ -76,10 +79,11 @@ void declare_reading(cli::Tool& tool, Options& o) {
                     "Width, in patches, in which look-ups are moved on the voxel's faces")
         ->check(CLI::Range(0.0, 4.0));
     tool.app
-        .add_option("--shrinkage", o.table.shrinkage,
+        .add_option("--shrinkage", o.shrinkage,
                     "How far shafts of small measure are pulled to the mean of their neighbours; "
-                    "0 not at all")
-        ->check(CLI::Range(0.0, 1e3));
+                    "0 not at all; needs a cache of even --patches")
+        ->check(CLI::Range(0.0, 1e3))
+        ->default_str("1");
     tool.app
         .add_option_function<std::vector<float>>(
             "--glossy",
@@ -147,6 +151,11 @@ void check_cache(const Options& o, const CacheHeader& header, const Scene& scene
     if (o.max_depth > header.max_depth)
         throw usage_error("--max-depth {}: {} holds light for paths of at most {} scatterings",
                           o.max_depth, o.cache, header.max_depth);
+    if (o.shrinkage && *o.shrinkage > 0 &&
+        (header.patches % 2 != 0 || header.estimator != Estimator::energy))
+        throw usage_error("--shrinkage needs a cache of the estimator energy and an even number of "
+                          "patches; {} has {} and {}",
+                          o.cache, name_of(header.estimator), header.patches);
     if (o.sample.read.fallback == Fallback::trace && header.estimator == Estimator::energy)
         throw usage_error("--fallback trace: with the estimator energy, shafts without light are "
                           "part of the mean; tracing there would count light twice");
@@ -180,7 +189,9 @@ void run(Options& o, cli::Session& session) {
             session.warn(fmt::format("{}: of the estimator {}, which is not radiometric", o.cache,
                                      name_of(cache.header.estimator)));
         posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
-        table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), o.table,
+        const bool can_shrink = cache.header.patches % 2 == 0;
+        const ReadTableConfig config{o.shrinkage.value_or(can_shrink ? kDefaultShrinkage : 0)};
+        table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), config,
                                             session.workers());
         const V3d& cell = table->grid().cell;
         const double side = std::min({cell.x, cell.y, cell.z});

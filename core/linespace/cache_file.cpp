@@ -89,32 +89,34 @@ std::string text_of(const std::vector<int64_t>& values) {
     return text;
 }
 
-DeepHeader deep_header(const LightCache& cache, const std::string& software) {
+DeepHeader deep_header(const LightCache& cache) {
     const CacheHeader& h = cache.header;
     DeepHeader header;
     header.width = h.voxels[0];
     header.height = h.voxels[1] * h.voxels[2];
     header.channels = channels_of(h.estimator);
-    header.metadata = {{"Software", software},
-                       {"ql:format", std::string("Linespace cache")},
-                       {"ql:version", kCacheVersion},
-                       {"ql:estimator", name_of(h.estimator)},
-                       {"ql:patches", h.patches},
-                       {"ql:normal_classes", h.normal_classes},
-                       {"ql:voxels_x", h.voxels[0]},
-                       {"ql:voxels_y", h.voxels[1]},
-                       {"ql:voxels_z", h.voxels[2]},
-                       {"ql:grid_lower", h.lower},
-                       {"ql:voxel_size", h.cell},
-                       {"ql:max_depth", h.max_depth},
-                       {"ql:seed", fmt::format("{}", h.seed)},
-                       {"ql:scene_hash", fmt::format("{:016x}", h.scene_hash)},
-                       {"ql:sum_bits", h.sum_bits},
-                       {"ql:unit", h.unit},
-                       {"ql:photons", text_of(h.photons)},
-                       {"ql:weight_by_order", text_of(h.weight_by_order)},
-                       {"ql:unclassified", fmt::format("{}", h.unclassified)},
-                       {"ql:digest", fmt::format("{:016x}", digest_of(cache))}};
+    header.metadata = {
+        {"Software", std::string("quietlight")}, // not which tool: merged is like made at once
+
+        {"ql:format", std::string("Linespace cache")},
+        {"ql:version", kCacheVersion},
+        {"ql:estimator", name_of(h.estimator)},
+        {"ql:patches", h.patches},
+        {"ql:normal_classes", h.normal_classes},
+        {"ql:voxels_x", h.voxels[0]},
+        {"ql:voxels_y", h.voxels[1]},
+        {"ql:voxels_z", h.voxels[2]},
+        {"ql:grid_lower", h.lower},
+        {"ql:voxel_size", h.cell},
+        {"ql:max_depth", h.max_depth},
+        {"ql:seed", fmt::format("{}", h.seed)},
+        {"ql:scene_hash", fmt::format("{:016x}", h.scene_hash)},
+        {"ql:sum_bits", h.sum_bits},
+        {"ql:unit", h.unit},
+        {"ql:photons", text_of(h.photons)},
+        {"ql:weight_by_order", text_of(h.weight_by_order)},
+        {"ql:unclassified", fmt::format("{}", h.unclassified)},
+        {"ql:digest", fmt::format("{:016x}", digest_of(cache))}};
     return header;
 }
 
@@ -287,8 +289,8 @@ class CacheReader : public DeepReader {
 
 } // namespace
 
-void write_cache(const std::string& path, const LightCache& cache, const std::string& software) {
-    const DeepHeader header = deep_header(cache, software);
+void write_cache(const std::string& path, const LightCache& cache) {
+    const DeepHeader header = deep_header(cache);
     const auto width = size_t(header.width);
     std::vector<uint32_t> counts(cache.first.size() - 1);
     for (size_t v = 0; v < counts.size(); ++v)

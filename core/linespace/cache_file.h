@@ -12,8 +12,8 @@ namespace ql {
 
 inline constexpr int kCacheVersion = 1;
 
-// path "-" is standard output. software: who wrote it, for the header. Errors: ErrorKind::output.
-void write_cache(const std::string& path, const LightCache& cache, const std::string& software);
+// path "-" is standard output. Errors: ErrorKind::output.
+void write_cache(const std::string& path, const LightCache& cache);
 
 // path "-" is standard input. Errors: ErrorKind::input, one line.
 LightCache read_cache(const std::string& path);

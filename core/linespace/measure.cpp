@@ -364,7 +364,7 @@ class BlockCounter {
 // right for random lines. Stratified lines vary less the more of them hit; the constant is that at
 // which the mean of indirect light in a Cornell box agrees with path tracing.
 double added_hits(double met) {
-    constexpr double kStratified = 0.3;
+    constexpr double kStratified = 0.5;
     return (1 + kStratified * met) / (1 + met);
 }
 

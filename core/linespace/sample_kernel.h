@@ -27,7 +27,7 @@ enum class Fallback {
 struct ReadConfig {
     int max_depth = 5;      // scatterings of the joined path
     int roulette_depth = 3; // as in PathConfig
-    int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
+    int reads = 2;          // of the cache at the first vertex of a path that reads, at least 1
     float glossy_low = 0;   // Phong exponents below read the cache ...
     float glossy_high = 0;  // ... at or above are traced on, in between by chance
     double blur = 0;        // radius of the look-up disc; of a voxel's shortest side

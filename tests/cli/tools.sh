@@ -8,12 +8,29 @@
 #   slow ARGS...         a run of several seconds that writes @OUT@ (tools that read no image)
 
 make_inputs() {
+    ls-inject "$SRC/examples/scenes/cornell_point.gltf" --photons 500 --voxels 4x4x4 -o good.cache.exr
     "$SRC/tests/cli/make_image" good.exr 16x16 R='x/w' G='y/h' B='noise()'
     "$SRC/tests/cli/make_image" reference.exr 16x16 R='x/w' G='y/h' B='0.5'
 }
 
 tool_img_diff() {
     command --heatmap @OUT@ good.exr reference.exr
+    output exr
+}
+
+tool_ls_inject() {
+    command --photons 500 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    output exr
+    slow --photons 1e9 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+}
+
+tool_ls_merge() {
+    command good.cache.exr -o @OUT@
+    output exr
+}
+
+tool_ls_sample() {
+    command --cache good.cache.exr --size 8x8 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
     output exr
 }
 
