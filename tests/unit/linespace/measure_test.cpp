@@ -32,7 +32,7 @@ LightCache full_cache(const VoxelGrid& grid, const RenderSpace& space, int patch
     return cache;
 }
 
-constexpr int kLines = 128;
+constexpr int kLines = 512;
 
 // Undoes (n + a)/(K + a) with a = (1 + n/2)/(1 + n), see measure.cpp, by bisection.
 double without_added_hits(double share) {
