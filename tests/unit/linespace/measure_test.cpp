@@ -70,7 +70,7 @@ TEST(Measure, OfAllShaftsSumsToPiTimesBothSidesOfASurface) {
         double sum = 0;
         for (const double m : measures_of(posed, cache))
             sum += m;
-        EXPECT_NEAR(sum / (2 * std::numbers::pi), 1, 0.005) << voxels << " " << patches;
+        EXPECT_NEAR(sum / (2 * std::numbers::pi), 1, 0.01) << voxels << " " << patches;
     }
 }
 
