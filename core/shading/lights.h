@@ -41,6 +41,8 @@ class LightSet {
     float pdf_solid_angle(const SurfacePoint& at, const V3f& direction, float distance) const;
 
   private:
+    friend class LightEmission; // photons from the same lights
+
     struct Punctual {
         Light::Kind kind;
         V3f position;

@@ -9,6 +9,7 @@
 
 make_inputs() {
     cp "$SRC/examples/scenes/cornell_point.gltf" good.gltf
+    ls-inject good.gltf --photons 500 --voxels 4x4x4 -o good.cache.exr
     "$SRC/tests/cli/make_image" good.exr 16x16 R='x/w' G='y/h' B='noise()'
     "$SRC/tests/cli/make_image" reference.exr 16x16 R='x/w' G='y/h' B='0.5'
 }
@@ -50,6 +51,22 @@ tool_rsm_render() {
     command "$scene" --size 16x16 --rsm-size 32 --samples 4 -o @OUT@
     output exr
     slow "$scene" --size 512x512 --rsm-size 64 --samples 4096 -o @OUT@
+}
+
+tool_ls_inject() {
+    command --photons 500 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    output exr
+    slow --photons 1e9 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+}
+
+tool_ls_merge() {
+    command good.cache.exr -o @OUT@
+    output exr
+}
+
+tool_ls_sample() {
+    command --cache good.cache.exr --size 8x8 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    output exr
 }
 
 # load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).

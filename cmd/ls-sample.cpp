@@ -1,0 +1,255 @@
+// ls-sample: an image of a glTF scene whose indirect light is read from a Linespace cache.
+#include "cli/scene_options.h"
+#include "cli/tool.h"
+#include "linespace/cache_file.h"
+#include "linespace/sample.h"
+#include "render/path_tracer.h"
+#include "scene/scene_hash.h"
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <optional>
+
+namespace {
+
+using namespace ql;
+
+constexpr double kDefaultShrinkage = 1;
+
+// A length in metres or in voxels.
+struct Length {
+    double value = 0;
+    bool in_voxels = false;
+};
+
+struct Options {
+    cli::SceneOptions scene;
+    SampleConfig sample;
+    std::optional<double> shrinkage; // none: kDefaultShrinkage where patches can be grouped
+    Length blur;
+    int max_depth = 0; // 0: that of the cache
+    bool no_roulette = false;
+    bool any_scene = false;
+    bool strict = false;
+    bool use_candidates = false;
+    std::string cache, output;
+    FileFormat format = FileFormat::by_extension;
+    bool half = false;
+    float exposure_stops = 0;
+    uint64_t seed = 0;
+};
+
+Length parse_length(const std::string& text) {
+    Length length;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length.value);
+    const std::string unit(end, text.data() + text.size());
+    length.in_voxels = unit == "vox";
+    if (error != std::errc() || !(unit.empty() || length.in_voxels) || !(length.value >= 0) ||
+        !(length.value <= 1e6))
+        throw usage_error("--blur: '{}', expected a radius in metres or, as 0.25vox, in voxels",
+                          text);
+    return length;
+}
+
+void declare_reading(cli::Tool& tool, Options& o) {
+    ReadConfig& read = o.sample.read;
+    tool.app.add_option("--cache", o.cache, "Cache of this scene, from ls-inject")
+        ->type_name("CACHE")
+        ->required();
+    tool.app.add_flag("--any-scene", o.any_scene, "Take a cache that was made for another scene");
+    tool.app
+        .add_option("--max-depth", o.max_depth,
+                    "Scatterings between light and camera, both parts of the path together; the "
+                    "default is that of the cache, which is also the most")
+        ->check(CLI::Range(1, 1 << 16))
+        ->default_str("");
+    tool.app
+        .add_option("--reads", read.reads,
+                    "Directions in which the cache is read where a path first meets it")
+        ->check(CLI::Range(1, 1024));
+    tool.app
+        .add_option_function<std::string>(
+            "--blur", [&o](const std::string& text) { o.blur = parse_length(text); },
+            "Radius of the disc on which look-ups are moved, in metres or in voxels (0.25vox)")
+        ->type_name("R|Xvox")
+        ->default_str("0");
+    tool.app
+        .add_option("--shaft-jitter", read.shaft_jitter,
+                    "Width, in patches, in which look-ups are moved on the voxel's faces")
+        ->check(CLI::Range(0.0, 4.0));
+    tool.app
+        .add_option("--shrinkage", o.shrinkage,
+                    "How far shafts of small measure are pulled to the mean of their neighbours; "
+                    "0 not at all; needs a cache of even --patches")
+        ->check(CLI::Range(0.0, 1e3))
+        ->default_str("1");
+    tool.app
+        .add_option_function<std::vector<float>>(
+            "--glossy",
+            [&read](const std::vector<float>& n) {
+                if (!(n[0] >= 0) || !(n[1] >= n[0]))
+                    throw usage_error("--glossy: {} {}, expected 0 <= N1 <= N2", n[0], n[1]);
+                read.glossy_low = n[0];
+                read.glossy_high = n[1];
+            },
+            "Phong lobes of exponents below N1 read the cache, from N2 on they are traced, in "
+            "between by chance")
+        ->expected(2)
+        ->type_name("N1 N2")
+        ->default_str("0 0");
+    tool.app
+        .add_option_function<std::string>(
+            "--fallback",
+            [&read](const std::string& name) {
+                read.fallback = name == "trace" ? Fallback::trace : Fallback::never;
+            },
+            "Where no light came by a shaft: never, it is dark; trace: trace on (caches of the "
+            "estimators count-text and count-listing only)")
+        ->check(CLI::IsMember({"never", "trace"}))
+        ->default_str("never");
+    tool.app
+        .add_option_function<std::string>(
+            "--occlusion",
+            [&o](const std::string& name) { o.use_candidates = name == "candidates"; },
+            "What a read asks whether its ray leaves the voxel: bvh, the scene's tree; "
+            "candidates, lists of the primitives in each shaft")
+        ->check(CLI::IsMember({"bvh", "candidates"}))
+        ->default_str("bvh");
+}
+
+void declare(cli::Tool& tool, Options& o) {
+    cli::add_scene_options(tool, o.scene);
+    declare_reading(tool, o);
+    tool.add_output(o.output, "Image, .exr or .png");
+    tool.add_format(o.format);
+    tool.app.add_flag("--half", o.half, "Write 16-bit floats");
+    tool.app.add_option("--exposure", o.exposure_stops,
+                        "Stops by which PNG pictures are brightened");
+    tool.app.add_option("--spp", o.sample.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 24));
+    tool.app
+        .add_option("--roulette-depth", o.sample.read.roulette_depth,
+                    "Scatterings before Russian roulette sets in")
+        ->check(CLI::Range(1, 1 << 16));
+    tool.app.add_flag("--no-roulette", o.no_roulette, "No Russian roulette");
+    tool.app
+        .add_option_function<std::string>(
+            "--layers",
+            [&o](const std::string& names) { o.sample.layers = parse_read_layers(names); },
+            "More channels: direct, indirect, cached, caustic, variance, all")
+        ->type_name("NAMES");
+    tool.add_seed(o.seed);
+    tool.app.add_flag("--strict", o.strict, "Samples that are not finite are an error");
+}
+
+void check_cache(const Options& o, const CacheHeader& header, const Scene& scene) {
+    const uint64_t hash = scene_hash(scene);
+    if (header.scene_hash != hash && !o.any_scene)
+        throw input_error("{}: made for another scene ({:016x}, expected {:016x}); --any-scene "
+                          "takes it all the same",
+                          o.cache, header.scene_hash, hash);
+    if (o.max_depth > header.max_depth)
+        throw usage_error("--max-depth {}: {} holds light for paths of at most {} scatterings",
+                          o.max_depth, o.cache, header.max_depth);
+    if (o.shrinkage && *o.shrinkage > 0 &&
+        (header.patches % 2 != 0 || header.estimator != Estimator::energy))
+        throw usage_error("--shrinkage needs a cache of the estimator energy and an even number of "
+                          "patches; {} has {} and {}",
+                          o.cache, name_of(header.estimator), header.patches);
+    if (o.sample.read.fallback == Fallback::trace && header.estimator == Estimator::energy)
+        throw usage_error("--fallback trace: with the estimator energy, shafts without light are "
+                          "part of the mean; tracing there would count light twice");
+}
+
+void run(Options& o, cli::Session& session) {
+    file_format(o.output, o.format);
+    ReadConfig& read = o.sample.read;
+    if (o.no_roulette) read.roulette_depth = 0;
+    if ((o.sample.layers & kLayerVariance) && o.sample.spp < 2)
+        throw usage_error("--layers variance needs --spp 2 or more");
+    const cli::OpenScene open = cli::open_scene(session, o.scene, cli::LightNeed::required);
+
+    // Make scene and cache ready.
+    std::unique_ptr<PosedScene> posed;
+    std::unique_ptr<ReadTable> table;
+    std::unique_ptr<ShaftCandidates> candidates;
+    uint64_t photons = 0;
+    {
+        session.stats().input.push_back(o.cache);
+        LightCache cache;
+        {
+            const auto timer = session.phase("load");
+            cache = read_cache(o.cache);
+        }
+        const auto timer = session.phase("build");
+        check_cache(o, cache.header, open.scene);
+        photons = cache.header.photon_count();
+        read.max_depth = o.max_depth > 0 ? o.max_depth : cache.header.max_depth;
+        if (cache.header.estimator != Estimator::energy)
+            session.warn(fmt::format("{}: of the estimator {}, which is not radiometric", o.cache,
+                                     name_of(cache.header.estimator)));
+        posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
+        const bool can_shrink = cache.header.patches % 2 == 0;
+        const ReadTableConfig config{o.shrinkage.value_or(can_shrink ? kDefaultShrinkage : 0)};
+        table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), config,
+                                            session.workers());
+        const V3d& cell = table->grid().cell;
+        const double side = std::min({cell.x, cell.y, cell.z});
+        read.blur = o.blur.in_voxels ? o.blur.value : o.blur.value * open.space.scale / side;
+    }
+    if (o.use_candidates) {
+        const auto timer = session.phase("candidates");
+        candidates = std::make_unique<ShaftCandidates>(posed->world(), *table, session.workers());
+    }
+
+    // Render and write.
+    const auto [width, height] = o.scene.size;
+    const PixelCamera camera = pixel_camera(open.camera, open.scene, open.space, 0, width, height);
+    SampleResult result;
+    {
+        const auto timer = session.phase("render");
+        result = sample_frame(*posed, camera, *table, candidates.get(),
+                              fresh_seeds(o.seed, 0, width, height), o.sample, session.workers(),
+                              session.progress());
+    }
+    session.stats().discarded_samples = result.discarded_samples;
+    if (o.strict && result.discarded_samples > 0)
+        throw input_error("{}: {} samples are not finite", o.scene.paths.front(),
+                          result.discarded_samples);
+    result.image.metadata = camera_metadata(camera);
+    result.image.metadata["ql:spp"] = o.sample.spp;
+    result.image.metadata["ql:max_depth"] = read.max_depth;
+    result.image.metadata["ql:seed"] = std::to_string(o.seed);
+    result.image.metadata["ql:photons"] = std::to_string(photons);
+    ImageWriteConfig write = session.image_config();
+    write.format = o.format;
+    write.depth = o.half ? FloatDepth::half : FloatDepth::float32;
+    write.exposure_stops = o.exposure_stops;
+    session.write_image(o.output, result.image, write);
+
+    const ReadCounts& counts = result.counts;
+    session.stats().rays = {{"camera", counts.rays.camera},
+                            {"indirect", counts.rays.indirect},
+                            {"shadow", counts.rays.shadow}};
+    session.stats().result = {{"reads", counts.reads},
+                              {"near_hits", counts.near_hits},
+                              {"dark_reads", counts.dark},
+                              {"table_memory_bytes", table->memory_bytes()}};
+    if (candidates) {
+        session.stats().result["candidates"] = candidates->size();
+        session.stats().result["candidates_memory_bytes"] = candidates->memory_bytes();
+    }
+    if (result.discarded_samples > 0)
+        session.warn(fmt::format("{} samples were not finite and have been left out",
+                                 result.discarded_samples));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    cli::Tool tool({"ls-sample", "Renders a glTF scene with the light of a Linespace cache.",
+                    "ls-sample scene.gltf --cache cache.exr --size 640x480 --spp 16 -o image.exr"});
+    Options options;
+    declare(tool, options);
+    return tool.main(argc, argv, [&](cli::Session& session) { run(options, session); });
+}

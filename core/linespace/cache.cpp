@@ -1,0 +1,140 @@
+#include "linespace/cache.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+
+namespace ql {
+
+namespace {
+
+void add_exactly(int64_t& sum, int64_t value, const std::string& what) {
+    if (__builtin_add_overflow(sum, value, &sum))
+        throw input_error("{}: sums beyond 64 bits", what);
+}
+
+// Adds entry j of b to entry i of the result.
+void add_entry(LightCache& to, size_t i, const LightCache& b, size_t j, const std::string& what) {
+    if (__builtin_add_overflow(to.counts[i], b.counts[j], &to.counts[i]))
+        throw input_error("{}: more than 2^32 photons in a shaft", what);
+    for (size_t c = 0; c < 3; ++c)
+        add_exactly(to.sums[i][c], b.sums[j][c], what);
+    if (!to.measures.empty() && to.measures[i] != b.measures[j])
+        throw input_error("{}: not of the same scene: measures differ", what);
+}
+
+void append_entry(LightCache& to, const LightCache& from, size_t i) {
+    to.shafts.push_back(from.shafts[i]);
+    to.counts.push_back(from.counts[i]);
+    to.sums.push_back(from.sums[i]);
+    if (!from.measures.empty()) to.measures.push_back(from.measures[i]);
+}
+
+// What must agree, with a name for messages.
+void require_fit(const CacheHeader& a, const CacheHeader& b, const std::string& what) {
+    const auto require = [&](bool same, const char* name) {
+        if (!same) throw input_error("{}: {} differs, expected caches of one run", what, name);
+    };
+    require(a.scene_hash == b.scene_hash, "the scene");
+    require(a.estimator == b.estimator, "the estimator");
+    require(a.normal_classes == b.normal_classes, "the number of normal classes");
+    require(a.patches == b.patches && a.voxels == b.voxels, "the number of voxels or patches");
+    require(a.lower == b.lower && a.cell == b.cell, "the grid");
+    require(a.max_depth == b.max_depth, "the depth");
+    require(a.seed == b.seed, "the seed");
+    require(a.sum_bits == b.sum_bits && a.unit == b.unit, "the unit of the sums");
+    require(a.weight_by_order.size() == b.weight_by_order.size(), "the depth");
+}
+
+} // namespace
+
+std::string name_of(Estimator estimator) {
+    switch (estimator) {
+    case Estimator::energy:
+        return "energy";
+    case Estimator::count_text:
+        return "count-text";
+    case Estimator::count_listing:
+        return "count-listing";
+    }
+    return {};
+}
+
+Estimator estimator_named(const std::string& name) {
+    for (const Estimator e : {Estimator::energy, Estimator::count_text, Estimator::count_listing})
+        if (name_of(e) == name) return e;
+    throw input_error("estimator '{}', expected energy, count-text or count-listing", name);
+}
+
+uint64_t CacheHeader::photon_count() const {
+    uint64_t count = 0;
+    for (const PhotonRange& range : photons)
+        count += range.end - range.begin;
+    return count;
+}
+
+size_t LightCache::memory_bytes() const {
+    return first.size() * sizeof(uint64_t) + size() * (2 * sizeof(uint32_t) + sizeof(ShaftSum)) +
+           measures.size() * sizeof(float);
+}
+
+VoxelGrid grid_of(const CacheHeader& header, const RenderSpace& space) {
+    return {space.from_world(header.lower), header.cell * space.scale, header.voxels};
+}
+
+std::vector<PhotonRange> joined(const std::vector<PhotonRange>& a,
+                                const std::vector<PhotonRange>& b) {
+    std::vector<PhotonRange> all = a;
+    all.insert(all.end(), b.begin(), b.end());
+    std::sort(all.begin(), all.end(),
+              [](const PhotonRange& x, const PhotonRange& y) { return x.begin < y.begin; });
+    std::vector<PhotonRange> result;
+    for (const PhotonRange& range : all) {
+        if (!result.empty() && range.begin < result.back().end)
+            throw input_error("photons {}:{} are in both", range.begin,
+                              std::min(range.end, result.back().end));
+        if (!result.empty() && range.begin == result.back().end)
+            result.back().end = range.end;
+        else
+            result.push_back(range);
+    }
+    return result;
+}
+
+LightCache merged(const LightCache& a, const LightCache& b, const std::string& what) {
+    require_fit(a.header, b.header, what);
+    LightCache result;
+    result.header = a.header;
+    try {
+        result.header.photons = joined(a.header.photons, b.header.photons);
+    } catch (const Error& e) {
+        throw input_error("{}: {}", what, e.what());
+    }
+    for (size_t i = 0; i < a.header.weight_by_order.size(); ++i)
+        add_exactly(result.header.weight_by_order[i], b.header.weight_by_order[i], what);
+    add_exactly(result.header.unclassified, b.header.unclassified, what);
+
+    // Merge the sorted lists of each voxel.
+    const size_t most = a.size() + b.size();
+    result.shafts.reserve(most);
+    result.counts.reserve(most);
+    result.sums.reserve(most);
+    result.measures.reserve(a.measures.empty() ? 0 : most);
+    result.first.assign(a.first.size(), 0);
+    for (size_t v = 0; v + 1 < a.first.size(); ++v) {
+        size_t i = a.first[v], j = b.first[v];
+        while (i < a.first[v + 1] || j < b.first[v + 1]) {
+            const bool has_a = i < a.first[v + 1], has_b = j < b.first[v + 1];
+            const bool take_a = has_a && (!has_b || a.shafts[i] <= b.shafts[j]);
+            const bool take_both = take_a && has_b && a.shafts[i] == b.shafts[j];
+            append_entry(result, take_a ? a : b, take_a ? i : j);
+            if (take_both) add_entry(result, result.size() - 1, b, j, what);
+            i += take_a;
+            j += !take_a || take_both;
+        }
+        result.first[v + 1] = result.size();
+    }
+    return result;
+}
+
+} // namespace ql

@@ -1,0 +1,326 @@
+#include "linespace/cache_file.h"
+
+#include "base/error.h"
+#include "image/deep_image.h"
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+
+namespace ql {
+
+namespace {
+
+// Order of the channels in the file: by name.
+enum ChannelIndex : size_t { kBHi, kBLo, kGHi, kGLo, kRHi, kRLo, kCount, kMeasure };
+
+std::vector<DeepChannel> channels_of(Estimator estimator) {
+    using Type = DeepChannel::Type;
+    std::vector<DeepChannel> channels = {{"B.hi", Type::uint32}, {"B.lo", Type::uint32},
+                                         {"G.hi", Type::uint32}, {"G.lo", Type::uint32},
+                                         {"R.hi", Type::uint32}, {"R.lo", Type::uint32},
+                                         {"count", Type::uint32}};
+    if (estimator == Estimator::energy) channels.push_back({"measure", Type::float32});
+    channels.push_back({"shaft", Type::uint32});
+    return channels;
+}
+
+// A running 64-bit digest: multiply and rotate, finished as in MurmurHash3 (Appleby).
+class Digest {
+  public:
+    void add(uint64_t word) {
+        m_state =
+            std::rotl(m_state ^ (word * 0x87c37b91114253d5), 31) * 0x4cf5ad432745937f + 0x52dce729;
+    }
+    void add(double value) { add(std::bit_cast<uint64_t>(value)); }
+    uint64_t value() const {
+        uint64_t h = m_state;
+        h = (h ^ (h >> 33)) * 0xff51afd7ed558ccd;
+        h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53;
+        return h ^ (h >> 33);
+    }
+
+  private:
+    uint64_t m_state = 0x9e3779b97f4a7c15;
+};
+
+uint64_t digest_of(const LightCache& cache) {
+    const CacheHeader& h = cache.header;
+    Digest digest;
+    for (const int value : {int(h.estimator), h.patches, h.voxels[0], h.voxels[1], h.voxels[2],
+                            h.max_depth, h.sum_bits, h.normal_classes})
+        digest.add(uint64_t(value));
+    for (int axis = 0; axis < 3; ++axis) {
+        digest.add(h.lower[axis]);
+        digest.add(h.cell[axis]);
+    }
+    digest.add(h.unit);
+    for (const uint64_t value : {h.seed, h.scene_hash, uint64_t(h.unclassified)})
+        digest.add(value);
+    for (const PhotonRange& range : h.photons) {
+        digest.add(range.begin);
+        digest.add(range.end);
+    }
+    for (const int64_t weight : h.weight_by_order)
+        digest.add(uint64_t(weight));
+    for (const uint64_t first : cache.first)
+        digest.add(first);
+    for (size_t i = 0; i < cache.size(); ++i) {
+        digest.add(uint64_t{cache.shafts[i]} << 32 | cache.counts[i]);
+        for (const int64_t sum : cache.sums[i])
+            digest.add(uint64_t(sum));
+        if (!cache.measures.empty())
+            digest.add(uint64_t{std::bit_cast<uint32_t>(cache.measures[i])});
+    }
+    return digest.value();
+}
+
+std::string text_of(const std::vector<PhotonRange>& ranges) {
+    std::string text;
+    for (const PhotonRange& range : ranges)
+        text += fmt::format("{}{}:{}", text.empty() ? "" : ",", range.begin, range.end);
+    return text;
+}
+
+std::string text_of(const std::vector<int64_t>& values) {
+    std::string text;
+    for (const int64_t value : values)
+        text += fmt::format("{}{}", text.empty() ? "" : ",", value);
+    return text;
+}
+
+DeepHeader deep_header(const LightCache& cache) {
+    const CacheHeader& h = cache.header;
+    DeepHeader header;
+    header.width = h.voxels[0];
+    header.height = h.voxels[1] * h.voxels[2];
+    header.channels = channels_of(h.estimator);
+    header.metadata = {
+        {"Software", std::string("quietlight")}, // not which tool: merged is like made at once
+
+        {"ql:format", std::string("Linespace cache")},
+        {"ql:version", kCacheVersion},
+        {"ql:estimator", name_of(h.estimator)},
+        {"ql:patches", h.patches},
+        {"ql:normal_classes", h.normal_classes},
+        {"ql:voxels_x", h.voxels[0]},
+        {"ql:voxels_y", h.voxels[1]},
+        {"ql:voxels_z", h.voxels[2]},
+        {"ql:grid_lower", h.lower},
+        {"ql:voxel_size", h.cell},
+        {"ql:max_depth", h.max_depth},
+        {"ql:seed", fmt::format("{}", h.seed)},
+        {"ql:scene_hash", fmt::format("{:016x}", h.scene_hash)},
+        {"ql:sum_bits", h.sum_bits},
+        {"ql:unit", h.unit},
+        {"ql:photons", text_of(h.photons)},
+        {"ql:weight_by_order", text_of(h.weight_by_order)},
+        {"ql:unclassified", fmt::format("{}", h.unclassified)},
+        {"ql:digest", fmt::format("{:016x}", digest_of(cache))}};
+    return header;
+}
+
+template<class T>
+T value_of(const DeepHeader& header, const std::string& key) {
+    const T* value = header.find<T>(key);
+    if (!value) throw input_error("no Linespace cache: no attribute {} of the right type", key);
+    return *value;
+}
+
+int integer_of(const DeepHeader& header, const std::string& key, int low, int high) {
+    const int value = value_of<int>(header, key);
+    if (value < low || value > high)
+        throw input_error("{} is {}, expected {} to {}", key, value, low, high);
+    return value;
+}
+
+template<class T>
+T number_of(std::string_view text, const std::string& key, int base = 10) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+    if (error != std::errc() || end != text.data() + text.size())
+        throw input_error("{} is '{}', expected a number", key, text.substr(0, 40));
+    return value;
+}
+
+std::vector<std::string_view> split(std::string_view text) {
+    std::vector<std::string_view> parts;
+    while (!text.empty()) {
+        const size_t comma = std::min(text.find(','), text.size());
+        parts.push_back(text.substr(0, comma));
+        text.remove_prefix(std::min(comma + 1, text.size()));
+    }
+    return parts;
+}
+
+std::vector<PhotonRange> ranges_of(const std::string& text) {
+    std::vector<PhotonRange> ranges;
+    for (const std::string_view part : split(text)) {
+        const size_t colon = part.find(':');
+        if (colon == part.npos)
+            throw input_error("ql:photons is '{}', expected ranges A:B", text.substr(0, 40));
+        const PhotonRange range{number_of<uint64_t>(part.substr(0, colon), "ql:photons"),
+                                number_of<uint64_t>(part.substr(colon + 1), "ql:photons")};
+        if (range.begin >= range.end || (!ranges.empty() && range.begin <= ranges.back().end))
+            throw input_error("ql:photons is '{}', expected sorted ranges", text.substr(0, 40));
+        ranges.push_back(range);
+    }
+    if (ranges.empty()) throw input_error("ql:photons is empty, expected ranges A:B");
+    return ranges;
+}
+
+V3d checked_vector(const DeepHeader& header, const std::string& key, double least) {
+    const V3d v = value_of<V3d>(header, key);
+    for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(v[axis]) || !(v[axis] > least))
+            throw input_error("{} is {} {} {}, expected finite lengths", key, v.x, v.y, v.z);
+    return v;
+}
+
+CacheHeader cache_header(const DeepHeader& header) {
+    if (value_of<std::string>(header, "ql:format") != "Linespace cache")
+        throw input_error("no Linespace cache");
+    const int version = value_of<int>(header, "ql:version");
+    if (version != kCacheVersion)
+        throw input_error("a cache of version {}, expected {}", version, kCacheVersion);
+    CacheHeader h;
+    h.estimator = estimator_named(value_of<std::string>(header, "ql:estimator"));
+    h.patches = integer_of(header, "ql:patches", 1, kMaxPatches);
+    h.normal_classes = integer_of(header, "ql:normal_classes", 1, 6);
+    if (h.normal_classes != 1 && h.normal_classes != 6)
+        throw input_error("ql:normal_classes is {}, expected 1 or 6", h.normal_classes);
+    const char* const counts[] = {"ql:voxels_x", "ql:voxels_y", "ql:voxels_z"};
+    for (size_t axis = 0; axis < 3; ++axis)
+        h.voxels[axis] = integer_of(header, counts[axis], 1, kMaxVoxelsPerSide);
+    if (h.voxel_count() > kMaxVoxels)
+        throw input_error("a grid of {} voxels, expected at most {}", h.voxel_count(), kMaxVoxels);
+    if (header.width != h.voxels[0] || header.height != h.voxels[1] * h.voxels[2])
+        throw input_error("{} x {} pixels, expected {} x {}", header.width, header.height,
+                          h.voxels[0], h.voxels[1] * h.voxels[2]);
+    if (header.channels != channels_of(h.estimator))
+        throw input_error("channels are not those of a Linespace cache");
+    h.lower = checked_vector(header, "ql:grid_lower", -1e300);
+    h.cell = checked_vector(header, "ql:voxel_size", 0);
+    h.max_depth = integer_of(header, "ql:max_depth", 2, 1 << 16);
+    h.seed = number_of<uint64_t>(value_of<std::string>(header, "ql:seed"), "ql:seed");
+    h.scene_hash =
+        number_of<uint64_t>(value_of<std::string>(header, "ql:scene_hash"), "ql:scene_hash", 16);
+    h.sum_bits = integer_of(header, "ql:sum_bits", 1, 62);
+    h.unit = value_of<double>(header, "ql:unit");
+    if (!std::isfinite(h.unit) || h.unit < 0)
+        throw input_error("ql:unit is {}, expected a finite power", h.unit);
+    h.photons = ranges_of(value_of<std::string>(header, "ql:photons"));
+    const std::string orders = value_of<std::string>(header, "ql:weight_by_order");
+    for (const std::string_view part : split(orders))
+        h.weight_by_order.push_back(number_of<int64_t>(part, "ql:weight_by_order"));
+    if (h.weight_by_order.size() != size_t(h.max_depth) - 1)
+        throw input_error("ql:weight_by_order has {} numbers, expected {}",
+                          h.weight_by_order.size(), h.max_depth - 1);
+    h.unclassified =
+        number_of<int64_t>(value_of<std::string>(header, "ql:unclassified"), "ql:unclassified");
+    return h;
+}
+
+uint32_t high_half(int64_t value) {
+    return uint32_t(uint64_t(value) >> 32);
+}
+uint32_t low_half(int64_t value) {
+    return uint32_t(uint64_t(value));
+}
+int64_t from_halves(uint32_t high, uint32_t low) {
+    return int64_t(uint64_t{high} << 32 | low);
+}
+
+class CacheReader : public DeepReader {
+  public:
+    LightCache cache;
+    uint64_t digest = 0;
+
+    uint64_t on_header(const DeepHeader& header) override {
+        cache.header = cache_header(header);
+        digest = number_of<uint64_t>(value_of<std::string>(header, "ql:digest"), "ql:digest", 16);
+        return 2 * uint64_t{cache.header.caustics_from()};
+    }
+
+    void on_sample_counts(std::span<const uint32_t> counts, uint64_t total) override {
+        cache.first.resize(counts.size() + 1, 0);
+        for (size_t v = 0; v < counts.size(); ++v)
+            cache.first[v + 1] = cache.first[v] + counts[v];
+        cache.shafts.reserve(total);
+        cache.counts.reserve(total);
+        cache.sums.reserve(total);
+        if (cache.header.estimator == Estimator::energy) cache.measures.reserve(total);
+    }
+
+    void on_row(int y, const DeepRow& row) override {
+        const bool measured = cache.header.estimator == Estimator::energy;
+        const std::vector<uint32_t>& shafts = row.back();
+        const uint32_t end = 2 * cache.header.caustics_from();
+        size_t voxel = size_t(y) * size_t(cache.header.voxels[0]);
+        for (size_t i = 0; i < shafts.size(); ++i) {
+            while (cache.shafts.size() >= cache.first[voxel + 1])
+                ++voxel;
+            const bool starts_voxel = cache.shafts.size() == cache.first[voxel];
+            if (shafts[i] >= end || (!starts_voxel && shafts[i] <= cache.shafts.back()))
+                throw input_error("damaged: voxel {} has shaft {} out of order", voxel, shafts[i]);
+            add_sample(row, i, measured);
+        }
+    }
+
+  private:
+    void add_sample(const DeepRow& row, size_t i, bool measured) {
+        cache.shafts.push_back(row.back()[i]);
+        cache.counts.push_back(row[kCount][i]);
+        cache.sums.push_back({from_halves(row[kRHi][i], row[kRLo][i]),
+                              from_halves(row[kGHi][i], row[kGLo][i]),
+                              from_halves(row[kBHi][i], row[kBLo][i])});
+        for (const int64_t sum : cache.sums.back())
+            if (sum < 0) throw input_error("damaged: a negative sum in shaft {}", row.back()[i]);
+        if (cache.counts.back() == 0)
+            throw input_error("damaged: no photons in shaft {}", row.back()[i]);
+        if (!measured) return;
+        const float measure = std::bit_cast<float>(row[kMeasure][i]);
+        if (!std::isfinite(measure) || !(measure > 0))
+            throw input_error("damaged: measure {} in shaft {}, expected a positive number",
+                              measure, row.back()[i]);
+        cache.measures.push_back(measure);
+    }
+};
+
+} // namespace
+
+void write_cache(const std::string& path, const LightCache& cache) {
+    const DeepHeader header = deep_header(cache);
+    const auto width = size_t(header.width);
+    std::vector<uint32_t> counts(cache.first.size() - 1);
+    for (size_t v = 0; v < counts.size(); ++v)
+        counts[v] = uint32_t(cache.first[v + 1] - cache.first[v]);
+    write_deep_image(path, header, counts, [&](int y, DeepRow& row) {
+        const size_t begin = cache.first[size_t(y) * width];
+        for (size_t i = 0; i < row.back().size(); ++i) {
+            const size_t entry = begin + i;
+            const ShaftSum& sum = cache.sums[entry];
+            row[kRHi][i] = high_half(sum[0]);
+            row[kRLo][i] = low_half(sum[0]);
+            row[kGHi][i] = high_half(sum[1]);
+            row[kGLo][i] = low_half(sum[1]);
+            row[kBHi][i] = high_half(sum[2]);
+            row[kBLo][i] = low_half(sum[2]);
+            row[kCount][i] = cache.counts[entry];
+            if (!cache.measures.empty())
+                row[kMeasure][i] = std::bit_cast<uint32_t>(cache.measures[entry]);
+            row.back()[i] = cache.shafts[entry];
+        }
+    });
+}
+
+LightCache read_cache(const std::string& path) {
+    CacheReader reader;
+    read_deep_image(path, reader);
+    if (digest_of(reader.cache) != reader.digest)
+        throw input_error("{}: damaged: its content does not match its digest",
+                          path == "-" ? "standard input" : path);
+    return std::move(reader.cache);
+}
+
+} // namespace ql

@@ -1,0 +1,21 @@
+// The cache as a deep OpenEXR file: a pixel is a voxel, its samples are directed shafts.
+//
+// x runs along the width; y and z are stacked along the height (row z * ny + y). Channels: shaft,
+// count, R.hi, R.lo, G.hi ... (halves of the 64-bit sums) and, for `energy`, measure. The header
+// says everything else as ql:* attributes, among them a digest of header and samples, so that no
+// damage goes unnoticed. Same cache, same bytes.
+#pragma once
+
+#include "linespace/cache.h"
+
+namespace ql {
+
+inline constexpr int kCacheVersion = 1;
+
+// path "-" is standard output. Errors: ErrorKind::output.
+void write_cache(const std::string& path, const LightCache& cache);
+
+// path "-" is standard input. Errors: ErrorKind::input, one line.
+LightCache read_cache(const std::string& path);
+
+} // namespace ql

@@ -1,0 +1,36 @@
+// The measure G_s f_s of directed shafts: how much of their étendue meets surfaces that take light.
+//
+// f_s is the share of the shaft's lines, by the invariant measure cos_a cos_b / r^2 dA_a dA_b, that
+// coming from the light's side first meet such a surface inside the voxel; for the caustic layer
+// the mean number of such surfaces on a line. Lines join low-discrepancy points on both patches; a
+// first set of 32 decides how many more a shaft needs. An unbiased f makes 1/f biased, so that one
+// hit and one line are added, (n + 1)/(K + 1): its inverse is unbiased but for (1 - f)^(K + 1), and
+// finite where no line of the sample meets anything. Depends on the scene, the grid and the shaft
+// alone.
+#pragma once
+
+#include "base/progress.h"
+#include "geometry/embree_scene.h"
+#include "linespace/cache.h"
+#include "linespace/etendue.h"
+#include "linespace/voxel_primitives.h"
+
+namespace ql {
+
+struct MeasureConfig {
+    int max_lines = 256;  // a shaft, a multiple of 32
+    int enough_hits = 24; // that the number of lines aims at
+};
+
+struct MeasureReport {
+    uint64_t lines = 0;
+    uint64_t unmeasured_shafts = 0; // no line met a surface
+    double unmeasured_weight = 0;   // of the photons in those, mean over R, G, B
+};
+
+// Fills cache.measures. alpha_test may be null where no material has an alpha mode.
+MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
+                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
+                             Progress& progress);
+
+} // namespace ql

@@ -1,0 +1,80 @@
+// The cache made ready for reading: incident radiance by voxel and directed shaft.
+//
+// Radiance is in units of LightSet. A shaft without light reads as zero. Immutable, hence safe to
+// share between threads; 16 bytes an entry.
+#pragma once
+
+#include "base/parallel.h"
+#include "linespace/cache.h"
+#include "shading/lights.h"
+
+#include <algorithm>
+
+namespace ql {
+
+struct ReadTableConfig {
+    // Shafts of small measure are pulled towards the mean of their group of neighbours, the shafts
+    // of N/2 x N/2 patches, by 1 / (1 + measure / (shrinkage x mean measure of a shaft with
+    // light)). The energy of a group stays as it is. 0: not at all. Needs an even N.
+    double shrinkage = 0;
+};
+
+class ReadTable {
+  public:
+    ReadTable(const LightCache& cache, const RenderSpace& space, const LightSet& lights,
+              const ReadTableConfig& config, const Workers& workers);
+
+    const VoxelGrid& grid() const { return m_grid; }
+    int patches() const { return m_patches; }
+    uint32_t directed_shafts() const { return m_directed_shafts; }
+    // The number of an entry of the gated layer, and what leads from there to the caustic layer.
+    uint32_t number_of(uint32_t shaft, const V3f& normal) const {
+        return shaft + m_directed_shafts * uint32_t(normal_class(normal, m_classes));
+    }
+    uint32_t caustics_from() const { return m_directed_shafts * uint32_t(m_classes); }
+    bool has_caustics() const { return m_has_caustics; }
+    Estimator estimator() const { return m_estimator; }
+    size_t memory_bytes() const {
+        return m_first.size() * sizeof(uint64_t) +
+               m_shafts.size() * (sizeof(uint32_t) + sizeof(V3f));
+    }
+
+    // The share of the cache's light that has been scattered at most that often.
+    float share_up_to(int scatterings) const {
+        if (scatterings < 1) return 0;
+        return m_share[std::min(size_t(scatterings), m_share.size()) - 1];
+    }
+
+    // Position of the entry in the cache's order; none if no light came that way.
+    std::optional<uint64_t> find(uint32_t voxel, uint32_t shaft) const {
+        const uint32_t* const begin = m_shafts.data() + m_first[voxel];
+        const uint32_t* const end = m_shafts.data() + m_first[voxel + 1];
+        const uint32_t* const at = std::lower_bound(begin, end, shaft);
+        if (at == end || *at != shaft) return std::nullopt;
+        return uint64_t(at - m_shafts.data());
+    }
+    V3f radiance(uint32_t voxel, uint32_t shaft) const {
+        const auto entry = find(voxel, shaft);
+        return entry ? m_radiance[*entry] : V3f(0);
+    }
+    std::span<const uint32_t> shafts_of(uint32_t voxel) const {
+        return {m_shafts.data() + m_first[voxel], m_first[voxel + 1] - m_first[voxel]};
+    }
+    uint64_t first_of(uint32_t voxel) const { return m_first[voxel]; }
+
+  private:
+    void shrink(const LightCache& cache, double shrinkage, const Workers& workers);
+
+    VoxelGrid m_grid;
+    int m_patches;
+    int m_classes;
+    uint32_t m_directed_shafts;
+    Estimator m_estimator;
+    bool m_has_caustics = false;
+    std::vector<uint64_t> m_first;
+    std::vector<uint32_t> m_shafts;
+    std::vector<V3f> m_radiance;
+    std::vector<float> m_share;
+};
+
+} // namespace ql

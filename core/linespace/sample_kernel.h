@@ -1,0 +1,406 @@
+// Camera paths that end in the cache.
+//
+// Source: Nilles 2017, sections 4.2.3 and 5.2.7. At every vertex the lobes are parted: diffuse
+// lobes (and glossy ones that ReadConfig says so) read the cache and trust next-event estimation
+// with the light they receive directly; the other lobes are traced on as in render/path_kernel.h.
+// A read whose ray meets something before the voxel's face does not use the shaft, the path goes
+// on from there: the light that photons brought from inside the voxel was not stored. Light that
+// such a path finds by emission is not counted, it is in the next-event estimate or, over mirrors
+// and glass, in the caustic layer. Random numbers of a path, by branch b and scattering d:
+//   block 4096 b + 4 d + 1: choice of the light, point on it
+//   block 4096 b + 4 d + 2: lobe, direction (2), Russian roulette
+//   block 4096 b + 4 d + 3: blur (2), glossy decision
+//   block 4096 b + 4 d + 4: shaft jitter
+#pragma once
+
+#include "linespace/candidates.h"
+#include "linespace/read_table.h"
+#include "linespace/vertex.h"
+
+namespace ql {
+
+enum class Fallback {
+    never,
+    trace // where no light came by a shaft, trace on; count estimators alone
+};
+
+struct ReadConfig {
+    int max_depth = 5;      // scatterings of the joined path
+    int roulette_depth = 3; // as in PathConfig
+    int reads = 2;          // of the cache at the first vertex of a path that reads, at least 1
+    float glossy_low = 0;   // Phong exponents below read the cache ...
+    float glossy_high = 0;  // ... at or above are traced on, in between by chance
+    double blur = 0;        // radius of the look-up disc; of a voxel's shortest side
+    float shaft_jitter = 0; // width of the box that look-ups are moved in, in patches
+    Fallback fallback = Fallback::never;
+};
+
+struct ReadContext {
+    const EmbreeScene& rays;
+    const LightSet& lights;
+    const ReadTable& table;
+    const ShaftCandidates* candidates; // null: ask Embree whether a ray leaves its voxel
+    ReadConfig config;
+    double blur_radius = 0; // render space
+    bool has_emission = false;
+};
+
+// Radiance by layer; cached and caustic are parts of indirect.
+struct ReadSample {
+    V3f direct = {0, 0, 0};
+    V3f indirect = {0, 0, 0};
+    V3f cached = {0, 0, 0};
+    V3f caustic = {0, 0, 0};
+};
+
+struct ReadCounts {
+    RayCounts rays;
+    uint64_t reads = 0;
+    uint64_t near_hits = 0; // reads whose ray did not leave the voxel
+    uint64_t dark = 0;      // reads of shafts without light
+};
+
+template<uint32_t Lobes, uint32_t Attributes>
+class ReadKernel {
+  public:
+    ReadKernel(const ReadContext& context, ReadCounts& counts)
+        : m_context(context), m_world(context.rays.world()), m_counts(counts) {}
+
+    ReadSample trace(const Ray& camera_ray, const PixelRandom& random, uint32_t alpha_key) const {
+        ReadSample sample;
+        Path path;
+        path.ray = camera_ray;
+        path.alpha_key = alpha_key;
+        follow(path, random, sample);
+        return sample;
+    }
+
+  private:
+    static constexpr bool kTextured = (Attributes & kAttributeTextures) != 0;
+    static constexpr bool kDiffuseOnly = Lobes == kLobeDiffuse;
+
+    enum class Emission { counts, by_mis, is_known };
+
+    struct Path {
+        Ray ray;
+        std::optional<Hit> hit; // where the ray is known to end
+        V3f throughput = {1, 1, 1};
+        int scatterings = 0;
+        Emission emission = Emission::counts;
+        float pdf_solid_angle = 0; // of the ray's direction, for by_mis
+        bool has_read = false;
+        uint32_t branch = 0;
+        uint32_t alpha_key = 0;
+        uint32_t key() const { return alpha_key + uint32_t(scatterings) * 0x9e3779b9u; }
+        uint32_t block(uint32_t n) const { return 4096 * branch + 4 * uint32_t(scatterings) + n; }
+    };
+
+    // A vertex with its lobes parted.
+    struct PartedVertex {
+        PathVertex at;
+        Bsdf read, traced;
+        float p_read; // probability of following the lobes that read
+    };
+
+    void follow(Path path, const PixelRandom& random, ReadSample& sample) const;
+    bool find_hit(Path& path) const;
+    PartedVertex part(const PathVertex& vertex, float u_glossy) const;
+    BsdfValue read_value(const PartedVertex& v, const V3f& wi) const;
+    std::optional<BsdfSample> read_sample(const PartedVertex& v, V2f u, float u_lobe) const;
+    V3f lit_by_lights(const PartedVertex& v, const Path& path, const PixelRandom& random) const;
+    V3f emitted(const SurfacePoint& point, const Material& material, const Path& path,
+                float distance) const;
+    bool read(const PartedVertex& v, Path& path, const V3f& wi, const PixelRandom& random,
+              ReadSample& sample) const;
+    std::optional<ShaftPlace> look_up(const PartedVertex& v, const V3f& wi, const Path& path,
+                                      const PixelRandom& random) const;
+    bool continue_traced(const PartedVertex& v, Path& path, const PixelRandom& random) const;
+    bool survives(Path& path, float u) const;
+
+    const ReadContext& m_context;
+    const World& m_world;
+    ReadCounts& m_counts;
+};
+
+template<uint32_t Lobes, uint32_t Attributes>
+auto ReadKernel<Lobes, Attributes>::part(const PathVertex& vertex, float u_glossy) const
+    -> PartedVertex {
+    PartedVertex v{vertex, vertex.bsdf, vertex.bsdf, 1};
+    if constexpr (kDiffuseOnly) return v;
+    const ReadConfig& config = m_context.config;
+    const float n = vertex.bsdf.exponent;
+    const bool glossy_reads =
+        n < config.glossy_low ||
+        (n < config.glossy_high &&
+         u_glossy >= (n - config.glossy_low) / (config.glossy_high - config.glossy_low));
+    v.traced.diffuse = V3f(0);
+    v.read.mirror = v.read.refraction = V3f(0);
+    (glossy_reads ? v.traced : v.read).phong = V3f(0);
+    if (!(vertex.wo_local.z > detail::kMinCosine)) return v;
+    const detail::LobeWeights weights = detail::lobe_weights<Lobes>(vertex.bsdf, vertex.wo_local.z);
+    const float reading = weights.diffuse + (glossy_reads ? weights.phong : 0);
+    const float sum = weights.sum();
+    v.p_read = sum > 0 ? reading / sum : 0;
+    // Lobes that are all read leave nothing to chance.
+    if (v.p_read > 0.9999f) v.p_read = 1;
+    return v;
+}
+
+// Under a coat the diffuse lobe alone reads; elsewhere diffuse and Phong lobes may.
+template<uint32_t Lobes, uint32_t Attributes>
+BsdfValue ReadKernel<Lobes, Attributes>::read_value(const PartedVertex& v, const V3f& wi) const {
+    if constexpr (!kDiffuseOnly)
+        if (v.read.lobes & kLobeMicrofacet) {
+            if (!(wi.z > detail::kMinCosine) || !(v.at.wo_local.z > detail::kMinCosine)) return {};
+            return detail::diffuse_reflection<Lobes>(v.read, v.at.wo_local, wi);
+        }
+    return value_and_pdf_bsdf<Lobes & ~uint32_t(kLobeTransmission)>(v.read, v.at.wo_local, wi);
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+std::optional<BsdfSample> ReadKernel<Lobes, Attributes>::read_sample(const PartedVertex& v, V2f u,
+                                                                     float u_lobe) const {
+    if constexpr (!kDiffuseOnly)
+        if (v.read.lobes & kLobeMicrofacet) {
+            const V3f wi = square_to_cosine_hemisphere(u);
+            const BsdfValue value = read_value(v, wi);
+            if (!(value.pdf_solid_angle > 0)) return std::nullopt;
+            return BsdfSample{wi, value.value / value.pdf_solid_angle, value.pdf_solid_angle, false,
+                              false};
+        }
+    return sample_bsdf<Lobes & ~uint32_t(kLobeTransmission)>(v.read, v.at.wo_local, u_lobe, u);
+}
+
+// Next-event estimation: all of the light for the lobes that read, weighted for the others.
+template<uint32_t Lobes, uint32_t Attributes>
+V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Path& path,
+                                                 const PixelRandom& random) const {
+    const RandomWords words = random.words(path.block(1));
+    const auto light = m_context.lights.sample(v.at.position, unit_double(words[0], words[1]),
+                                               {unit_float(words[2]), unit_float(words[3])});
+    if (!light) return V3f(0);
+    const V3f wi = v.at.frame.local_from_world(light->direction);
+    if (wi.z * v.at.ng.dot(light->direction) <= 0) return V3f(0);
+    V3f scattered = v.p_read > 0 ? read_value(v, wi).value : V3f(0);
+    if constexpr (!kDiffuseOnly)
+        if (v.p_read < 1) {
+            const BsdfValue traced = value_and_pdf_bsdf<Lobes>(v.traced, v.at.wo_local, wi);
+            const float weight = light->pdf_solid_angle > 0
+                                     ? detail::mis_weight(light->pdf_solid_angle,
+                                                          traced.pdf_solid_angle * (1 - v.p_read))
+                                     : 1;
+            scattered += traced.value * weight;
+        }
+    if (detail::is_black(scattered)) return V3f(0);
+    Ray ray;
+    ray.origin = offset_origin(v.at.position, v.at.ng, v.at.offset, light->direction);
+    ray.direction = light->distant ? light->direction : light->target - ray.origin;
+    ray.t_far = light->distant ? kInfinity : 1.0f;
+    ++m_counts.rays.shadow;
+    if (m_context.rays.is_occluded(ray, path.key() ^ 0x5bd1e995u)) return V3f(0);
+    return detail::times(scattered, light->weight);
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Material& material,
+                                           const Path& path, float distance) const {
+    if (path.emission == Emission::is_known) return V3f(0);
+    const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
+                                                surface_input(point, -path.ray.direction));
+    if (detail::is_black(radiance)) return radiance;
+    float weight = m_context.lights.stored_from_real();
+    if (path.emission == Emission::by_mis)
+        weight *= detail::mis_weight(
+            path.pdf_solid_angle,
+            m_context.lights.pdf_solid_angle(point, path.ray.direction, distance));
+    return radiance * weight;
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+bool ReadKernel<Lobes, Attributes>::find_hit(Path& path) const {
+    if (path.hit) return true;
+    ++(path.scatterings == 0 ? m_counts.rays.camera : m_counts.rays.indirect);
+    path.hit.emplace();
+    return m_context.rays.intersect(path.ray, path.key(), *path.hit);
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+bool ReadKernel<Lobes, Attributes>::survives(Path& path, float u) const {
+    const int depth = m_context.config.roulette_depth;
+    if (depth > 0 && path.scatterings >= depth) {
+        const V3f& t = path.throughput;
+        const float survival = std::min(0.95f, std::max({t.x, t.y, t.z}));
+        if (!(u < survival)) return false;
+        path.throughput /= survival;
+    }
+    return !detail::is_black(path.throughput);
+}
+
+// The shaft to read. Blur moves the point on a disc, where that is still on a surface; jitter moves
+// the line on the faces of the voxel.
+template<uint32_t Lobes, uint32_t Attributes>
+std::optional<ShaftPlace> ReadKernel<Lobes, Attributes>::look_up(const PartedVertex& v,
+                                                                 const V3f& wi, const Path& path,
+                                                                 const PixelRandom& random) const {
+    const ReadTable& table = m_context.table;
+    const V3d start = start_of(v.at, wi);
+    std::optional<ShaftPlace> place;
+    if (m_context.blur_radius > 0) {
+        const RandomFloats u = random.block(path.block(3));
+        const V2f disc = square_to_uniform_disk({u[0], u[1]}) * float(m_context.blur_radius);
+        const Frame frame = frame_from_normal(v.at.ng);
+        const V3f moved = v.at.position + frame.s * disc.x + frame.t * disc.y;
+        // A short ray down finds out whether the moved point lies on a surface.
+        const float height = 0.02f * float(m_context.blur_radius) + 2 * v.at.offset;
+        const Ray down{moved + v.at.ng * height, 0, -v.at.ng, 2 * height};
+        if (m_context.rays.is_occluded(down, path.key()))
+            place =
+                locate(table.grid(), table.patches(), start + V3d(moved - v.at.position), V3d(wi));
+    }
+    if (!place) place = locate(table.grid(), table.patches(), start, V3d(wi));
+    if (!place || !(m_context.config.shaft_jitter > 0)) return place;
+    const RandomFloats u = random.block(path.block(4));
+    const double width = double(m_context.config.shaft_jitter);
+    const double n = table.patches();
+    double* const coordinates[4] = {&place->entry_u, &place->entry_v, &place->exit_u,
+                                    &place->exit_v};
+    // Reflected at the rim of the face.
+    for (size_t i = 0; i < 4; ++i) {
+        const double moved = std::abs(*coordinates[i] + (double(u[i]) - 0.5) * width);
+        *coordinates[i] = moved < n ? moved : 2 * n - moved;
+    }
+    place->shaft = shaft_of(*place, table.patches());
+    return place;
+}
+
+// Adds what the cache knows of direction wi. Returns whether the path goes on along it: then its
+// ray, and its hit where the voxel holds it, are set.
+template<uint32_t Lobes, uint32_t Attributes>
+bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, const V3f& wi,
+                                         const PixelRandom& random, ReadSample& sample) const {
+    const ReadTable& table = m_context.table;
+    const auto place = look_up(v, wi, path, random);
+    path.ray = {offset_origin(v.at.position, v.at.ng, v.at.offset, wi), 0, wi, kInfinity};
+    path.hit.reset();
+    path.emission = Emission::is_known;
+    path.has_read = true;
+    const int left = m_context.config.max_depth - path.scatterings - 1;
+    if (!place) return true;
+    ++m_counts.reads;
+    const uint32_t number = table.number_of(place->shaft, v.at.ng);
+
+    // Caustics need no gate.
+    if (table.has_caustics() && left >= 1) {
+        const V3f light = detail::times(
+            path.throughput, table.radiance(place->voxel, number + table.caustics_from()));
+        sample.caustic += light;
+        sample.indirect += light;
+    }
+    // Does the ray leave the voxel?
+    Ray near = path.ray;
+    near.t_far = float(place->t_entry);
+    Hit hit;
+    ++m_counts.rays.indirect;
+    const bool stays = m_context.candidates
+                           ? m_context.candidates->intersect(near, place->voxel, number, hit)
+                           : m_context.rays.intersect(near, path.key() + 0x9e3779b9u, hit);
+    if (stays) {
+        ++m_counts.near_hits;
+        path.hit = hit;
+        return true;
+    }
+    const V3f radiance = table.radiance(place->voxel, number);
+    if (detail::is_black(radiance)) {
+        ++m_counts.dark;
+        return m_context.config.fallback == Fallback::trace;
+    }
+    const V3f light = detail::times(path.throughput, radiance) * table.share_up_to(left);
+    sample.cached += light;
+    sample.indirect += light;
+    return false;
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+bool ReadKernel<Lobes, Attributes>::continue_traced(const PartedVertex& v, Path& path,
+                                                    const PixelRandom& random) const {
+    const RandomFloats u = random.block(path.block(2));
+    const float p = 1 - v.p_read;
+    const float u_lobe = std::min((u[0] - v.p_read) / p, 0x1.fffffep-1f);
+    const auto next =
+        sample_bsdf<Lobes>(v.traced, v.at.wo_local, std::max(u_lobe, 0.0f), {u[1], u[2]});
+    if (!next) return false;
+    const V3f wi = v.at.frame.world_from_local(next->wi);
+    if ((wi.dot(v.at.ng) > 0) == next->transmitted) return false;
+    path.throughput = detail::times(path.throughput, next->weight) / p;
+    ++path.scatterings;
+    if (!survives(path, u[3])) return false;
+    // What is known of emission stays known over mirrors and glass.
+    if (!next->specular) {
+        path.emission = Emission::by_mis;
+        path.pdf_solid_angle = next->pdf_solid_angle * p;
+    } else if (path.emission == Emission::by_mis) {
+        path.emission = Emission::counts;
+    }
+    path.ray = {offset_origin(v.at.position, v.at.ng, v.at.offset, wi), 0, wi, kInfinity};
+    path.hit.reset();
+    return true;
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
+                                           ReadSample& sample) const {
+    const ReadConfig& config = m_context.config;
+    while (find_hit(path)) {
+        const SurfacePoint point = surface_point<Attributes>(m_world, path.ray, *path.hit);
+        const Material& material = m_world.scene->materials[size_t(point.material)];
+
+        // Add emission, then light that comes straight from the lights.
+        if (m_context.has_emission) {
+            const V3f light =
+                detail::times(path.throughput, emitted(point, material, path, path.hit->t));
+            (path.scatterings <= 1 ? sample.direct : sample.indirect) += light;
+        }
+        if (path.scatterings == config.max_depth) return;
+        const float u_glossy =
+            config.glossy_high > config.glossy_low ? random.block(path.block(3))[2] : 0;
+        const PartedVertex v =
+            part(path_vertex<Attributes>(m_world, point, material, -path.ray.direction), u_glossy);
+        if (!m_context.lights.empty()) {
+            const V3f light = detail::times(path.throughput, lit_by_lights(v, path, random));
+            (path.scatterings == 0 ? sample.direct : sample.indirect) += light;
+        }
+
+        // Follow the lobes that are traced on.
+        const RandomFloats u = random.block(path.block(2));
+        if (!(u[0] < v.p_read)) {
+            if (!continue_traced(v, path, random)) return;
+            continue;
+        }
+
+        // Read the cache, in several directions where the path reads for the first time.
+        const int reads = path.has_read ? 1 : config.reads;
+        const V3f before = path.throughput / (v.p_read * float(reads));
+        for (int r = 0; r < reads; ++r) {
+            // Directions of one vertex are a rotated lattice: Korobov points of the golden ratio.
+            const float shift = float(r) / float(reads);
+            const float golden = float(r) * 0.618034f;
+            V2f at(u[1] + shift, u[2] + golden - std::floor(golden));
+            at.x -= std::floor(at.x);
+            at.y -= std::floor(at.y);
+            const auto next = read_sample(v, at, std::min(u[0] / v.p_read, 0x1.fffffep-1f));
+            if (!next) continue;
+            const V3f wi = v.at.frame.world_from_local(next->wi);
+            if (!(wi.dot(v.at.ng) > 0)) continue;
+            Path branch = path;
+            branch.throughput = detail::times(before, next->weight);
+            if (reads > 1) branch.branch = uint32_t(r) + 1;
+            if (!read(v, branch, wi, random, sample)) continue;
+            ++branch.scatterings;
+            if (!survives(branch, u[3])) continue;
+            follow(branch, random, sample);
+        }
+        return;
+    }
+}
+
+} // namespace ql

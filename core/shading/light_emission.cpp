@@ -1,0 +1,117 @@
+#include "shading/light_emission.h"
+
+#include "sampling/warp.h"
+
+#include <algorithm>
+
+#include <cmath>
+
+namespace ql {
+
+namespace {
+
+float mean(const V3f& v) {
+    return (v.x + v.y + v.z) / 3;
+}
+
+V3f direction_at(const V3f& axis, double cosine, double turns) {
+    const SinCos phi = sin_cos_turns(float(turns));
+    const auto sine = float(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))));
+    return frame_from_normal(axis).world_from_local(
+        {sine * phi.cos, sine * phi.sin, float(cosine)});
+}
+
+} // namespace
+
+LightEmission::LightEmission(const LightSet& lights)
+    : m_lights(lights), m_power(lights.empty() ? 0 : lights.m_pick.sum()) {
+    for (const LightSet::Punctual& light : lights.m_punctual) {
+        m_is_punctual &= light.kind != Light::Kind::directional;
+        m_greatest_intensity = std::max(m_greatest_intensity, double(mean(light.intensity)));
+    }
+    for (size_t i = 0; i < lights.m_triangles.size(); ++i)
+        m_is_punctual &= !(lights.m_pick.probability(lights.m_punctual.size() + i) > 0);
+}
+
+EmittedPhoton LightEmission::sample(double u_pick, V2f u_position, V2f u_direction) const {
+    const DiscreteSample pick = m_lights.m_pick.sample(u_pick);
+    EmittedPhoton photon;
+    const size_t punctual = m_lights.m_punctual.size();
+    if (pick.index >= punctual) {
+        photon = from_triangle(m_lights.m_triangles[pick.index - punctual], u_position, pick.u,
+                               u_direction);
+    } else {
+        const LightSet::Punctual& light = m_lights.m_punctual[pick.index];
+        switch (light.kind) {
+        case Light::Kind::point:
+            photon = from_point(light, u_direction);
+            break;
+        case Light::Kind::spot:
+            photon = from_spot(light, u_direction);
+            break;
+        case Light::Kind::directional:
+            photon = from_far(light, u_position);
+            break;
+        }
+    }
+    photon.flux *= float(1 / (double(pick.probability) * m_power));
+    return photon;
+}
+
+EmittedPhoton LightEmission::from_point(const LightSet::Punctual& light, V2f u) const {
+    return {light.position, square_to_uniform_sphere(u), light.intensity * (4 * kPi),
+            light.intensity * float(1 / m_greatest_intensity)};
+}
+
+// Inverts the distribution of the intensity over the cosine x of the angle, see spot_falloff.
+EmittedPhoton LightEmission::from_spot(const LightSet::Punctual& light, V2f u) const {
+    const double outer = double(light.cos_outer);
+    double cosine, integral; // of the falloff over x
+    if (light.exponent >= 0) {
+        const double n = double(light.exponent) + 1;
+        const double at_rim = std::pow(std::max(outer, 0.0), n);
+        integral = (1 - at_rim) / n;
+        cosine = std::pow(at_rim + (1 - at_rim) * (1 - double(u.x)), 1 / n);
+    } else {
+        // A ramp ((x - outer) / width)^2 of some width, then 1.
+        const double width = std::max(double(light.cos_inner) - outer, 1e-3);
+        const double top = std::min(outer + width, 1.0);
+        const double ramp = std::pow(top - outer, 3) / (3 * width * width);
+        integral = ramp + (1 - top);
+        const double v = double(u.x) * integral;
+        cosine = v < ramp ? outer + std::cbrt(3 * v * width * width) : top + (v - ramp);
+    }
+    cosine = std::clamp(cosine, -1.0, 1.0);
+    const float falloff =
+        spot_falloff(float(cosine), light.cos_inner, light.cos_outer, light.exponent);
+    return {light.position, direction_at(light.axis, cosine, double(u.y)),
+            light.intensity * float(2 * double(kPi) * integral),
+            light.intensity * float(double(falloff) / m_greatest_intensity)};
+}
+
+EmittedPhoton LightEmission::from_far(const LightSet::Punctual& light, V2f u) const {
+    const Imath::Box3d& bounds = m_lights.m_world->bounds;
+    const V3d size = bounds.isEmpty() ? V3d(0) : bounds.size();
+    const auto radius = float(size.length() / 2);
+    const V2f disc = square_to_uniform_disk(u) * radius;
+    const Frame frame = frame_from_normal(light.axis);
+    const V3f centre = bounds.isEmpty() ? V3f(0) : V3f(bounds.center());
+    const V3f origin =
+        centre + frame.s * disc.x + frame.t * disc.y - light.axis * (1.001f * radius);
+    return {origin, light.axis, light.intensity * (kPi * radius * radius), V3f(0)};
+}
+
+EmittedPhoton LightEmission::from_triangle(const LightSet::Triangle& light, V2f u_position,
+                                           float u_side, V2f u_direction) const {
+    const V2f b = square_to_uniform_triangle(u_position);
+    const V3f at = light.corner + light.edge1 * b.x + light.edge2 * b.y;
+    const bool back = light.double_sided && u_side < 0.5f;
+    const V3f normal = back ? -light.normal : light.normal;
+    const V3f direction =
+        frame_from_normal(normal).world_from_local(square_to_cosine_hemisphere(u_direction));
+    const float sides = light.double_sided ? 2 : 1;
+    return {offset_origin(at, light.normal, light.offset, normal), direction,
+            m_lights.triangle_radiance(light, b.x, b.y) * (kPi * light.area * sides), V3f(0)};
+}
+
+} // namespace ql

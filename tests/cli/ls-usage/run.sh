@@ -1,0 +1,21 @@
+# Wrong options: one line each, exit status 2.
+scene=$SRC/examples/scenes/cornell_point.gltf
+try() { "$@"; echo "exit $?"; }
+try ls-inject
+try ls-inject "$scene"
+try ls-inject "$scene" --voxels 4x4 -o a.exr
+try ls-inject "$scene" --voxels 0x4x4 -o a.exr
+try ls-inject "$scene" --voxels 4x4x16385 -o a.exr
+try ls-inject "$scene" --photons 5:5 -o a.exr
+try ls-inject "$scene" --photons 1.5 -o a.exr
+try ls-inject "$scene" --voxel-size 1e-9 -o a.exr
+try ls-inject "$scene" --max-depth 1 -o a.exr
+try ls-inject "$SRC/examples/scenes/cornell_area.gltf" --estimator count-text -q -o a.exr
+ls-inject "$scene" --photons 1000 --voxels 4x4x4 --max-depth 3 -o c.exr
+try ls-sample "$scene" -o a.exr
+try ls-sample "$scene" --cache c.exr --max-depth 4 -o a.exr
+try ls-sample "$scene" --cache c.exr --fallback trace -o a.exr
+try ls-sample "$scene" --cache c.exr --blur 3furlong -o a.exr
+try ls-sample "$scene" --cache c.exr --layers red -o a.exr
+try ls-sample "$scene" --cache c.exr --glossy 5 2 -o a.exr
+[ ! -e a.exr ]

@@ -1,0 +1,72 @@
+#include "reference/linespace_scenes.h"
+
+namespace ql::reference {
+
+namespace {
+
+int add_material(Scene& scene, const V3f& albedo, const V3f& emission) {
+    Material material;
+    material.model = MaterialModel::phong;
+    material.base_color = albedo;
+    material.emission = emission;
+    material.double_sided = true;
+    scene.materials.push_back(material);
+    return int(scene.materials.size()) - 1;
+}
+
+// A parallelogram, its front by the right-hand rule.
+void add_quad(Scene& scene, int material, const V3f& corner, const V3f& u, const V3f& v) {
+    Mesh mesh;
+    mesh.material = material;
+    mesh.positions = {corner, corner + u, corner + u + v, corner + v};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.meshes = {int(scene.meshes.size()) - 1};
+    scene.nodes.push_back(node);
+}
+
+} // namespace
+
+Scene box_scene(const BoxScene& box) {
+    Scene scene;
+    const auto s = float(box.size);
+    const int wall = add_material(scene, V3f(box.albedo), box.emission);
+    const int left = box.left == V3f(0) ? wall : add_material(scene, box.left, box.emission);
+    int back = wall;
+    if (box.has_mirror) {
+        back = add_material(scene, V3f(0), V3f(0));
+        scene.materials.back().kd = 0;
+        scene.materials.back().kr = 0.9f;
+    }
+    const V3f x(s, 0, 0), y(0, s, 0), z(0, 0, s);
+    add_quad(scene, left, V3f(0), y, z);
+    add_quad(scene, wall, x, z, y);
+    add_quad(scene, wall, V3f(0), z, x);
+    add_quad(scene, wall, y, x, z);
+    add_quad(scene, back, V3f(0), x, y);
+    add_quad(scene, wall, z, y, x);
+    if (box.has_plate)
+        add_quad(scene, wall, V3f(0.35f, 0.06f, 0.35f) * s, V3f(0, 0, 0.3f) * s,
+                 V3f(0.3f, 0, 0) * s);
+    for (const BoxScene::PointLight& light : box.lights) {
+        Light point;
+        point.intensity = V3d(light.intensity * box.size * box.size);
+        scene.lights.push_back(point);
+        Node node;
+        node.translation = light.position * box.size;
+        node.light = int(scene.lights.size()) - 1;
+        scene.nodes.push_back(node);
+    }
+    return scene;
+}
+
+Scene tilted_square() {
+    Scene scene;
+    const V3f u = V3f(2, 1, 0.5f).normalized();
+    const V3f v = u.cross(V3f(0.3f, -1, 2)).normalized();
+    add_quad(scene, add_material(scene, V3f(0.5f), V3f(0)), (u + v) * -0.5f, u, v);
+    return scene;
+}
+
+} // namespace ql::reference
