@@ -12,9 +12,9 @@ def put(b):
     global n
     open('bad%d.exr' % n, 'wb').write(b)
     n += 1
-for i in range(4):
+for i in range(2):
     put(data[:random.randrange(len(data))])
-for i in range(14):
+for i in range(6):
     b = bytearray(data)
     at = random.randrange(1500) if i % 2 else random.randrange(len(data))
     b[at] ^= 1 << random.randrange(8)
