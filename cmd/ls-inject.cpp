@@ -180,6 +180,7 @@ void run(Options& o, cli::Session& session) {
     if (!o.info.empty()) return print_info(o.info, session);
     if (o.scene.paths.empty()) throw usage_error("no scene, expected a glTF file");
     if (o.output.empty()) throw usage_error("--output is required");
+    const std::string date_time = session.image_config().date_time;
     if (o.inject.estimator != Estimator::energy)
         session.warn(
             fmt::format("--estimator {} is not radiometric: brightness depends on the "
@@ -201,7 +202,7 @@ void run(Options& o, cli::Session& session) {
     {
         const auto timer = session.phase("write");
         session.stats().output.push_back(o.output);
-        write_cache(o.output, cache);
+        write_cache(o.output, cache, date_time);
     }
     report(injected, cache, session.stats());
     if (injected.photons.discarded > 0)

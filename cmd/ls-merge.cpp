@@ -12,6 +12,7 @@ struct Options {
 };
 
 void run(const Options& o, cli::Session& session) {
+    const std::string date_time = session.image_config().date_time;
     LightCache sum;
     for (const std::string& path : o.inputs) {
         const auto timer = session.phase("load");
@@ -21,7 +22,7 @@ void run(const Options& o, cli::Session& session) {
     }
     const auto timer = session.phase("write");
     session.stats().output.push_back(o.output);
-    write_cache(o.output, sum);
+    write_cache(o.output, sum, date_time);
     session.stats().result = {{"photons", sum.header.photon_count()}, {"shafts", sum.size()}};
 }
 

@@ -89,7 +89,7 @@ std::string text_of(const std::vector<int64_t>& values) {
     return text;
 }
 
-DeepHeader deep_header(const LightCache& cache) {
+DeepHeader deep_header(const LightCache& cache, const std::string& date_time) {
     const CacheHeader& h = cache.header;
     DeepHeader header;
     header.width = h.voxels[0];
@@ -97,7 +97,7 @@ DeepHeader deep_header(const LightCache& cache) {
     header.channels = channels_of(h.estimator);
     header.metadata = {
         {"Software", std::string("quietlight")}, // not which tool: merged is like made at once
-
+        {"capDate", date_time},
         {"ql:format", std::string("Linespace cache")},
         {"ql:version", kCacheVersion},
         {"ql:estimator", name_of(h.estimator)},
@@ -289,8 +289,8 @@ class CacheReader : public DeepReader {
 
 } // namespace
 
-void write_cache(const std::string& path, const LightCache& cache) {
-    const DeepHeader header = deep_header(cache);
+void write_cache(const std::string& path, const LightCache& cache, const std::string& date_time) {
+    const DeepHeader header = deep_header(cache, date_time);
     const auto width = size_t(header.width);
     std::vector<uint32_t> counts(cache.first.size() - 1);
     for (size_t v = 0; v < counts.size(); ++v)

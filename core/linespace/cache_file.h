@@ -12,8 +12,10 @@ namespace ql {
 
 inline constexpr int kCacheVersion = 1;
 
-// path "-" is standard output. Errors: ErrorKind::output.
-void write_cache(const std::string& path, const LightCache& cache);
+// path "-" is standard output. date_time goes into the header, never the clock.
+// Errors: ErrorKind::output.
+void write_cache(const std::string& path, const LightCache& cache,
+                 const std::string& date_time = "1970:01:01 00:00:00");
 
 // path "-" is standard input. Errors: ErrorKind::input, one line.
 LightCache read_cache(const std::string& path);
