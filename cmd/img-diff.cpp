@@ -1,29 +1,26 @@
 // img-diff: error figures of an image against a reference, with limits for tests.
 #include "cli/figures.h"
 #include "cli/image_options.h"
+#include "cli/limits.h"
+#include "image/frame_range.h"
 #include "metrics/error.h"
 #include "metrics/false_color.h"
+#include "metrics/tiles.h"
 
-#include <bit>
 #include <cmath>
 
 using namespace ql;
 
 namespace {
 
-struct Limit {
-    std::string option;
-    std::string figure; // its name, or the stem of several: perceptual_
-    enum class Side { at_most, at_least } side;
-    double value;
-};
-
 struct Options {
     std::string image, reference;
     cli::ImageSelection selection;
     ErrorConfig error;
-    std::vector<Limit> limits;
-    std::string heatmap;
+    std::vector<cli::Limit> limits;
+    std::vector<int> frames; // empty: one pair of images
+    std::string heatmap, tiles;
+    int tile_px = 16;
     std::vector<double> heatmap_range = {0.001, 1};
     bool per_channel = false, identical = false, json = false, csv = false, wrap = false;
 
@@ -51,23 +48,10 @@ cli::Figures named(const ErrorFigures& f, const std::string& prefix) {
     return figures;
 }
 
-std::vector<std::pair<std::string, std::string>> labels(const Options& options) {
-    return {{"image", options.image}, {"reference", options.reference}};
-}
+using Labels = std::vector<std::pair<std::string, std::string>>;
 
-void check_limits(const cli::Figures& figures, const Options& options, cli::Session& session) {
-    for (const Limit& limit : options.limits)
-        for (const auto& [name, value] : figures) {
-            const bool stem = limit.figure.ends_with('_') && name.starts_with(limit.figure);
-            if (name != limit.figure && !stem) continue;
-            // Written so that NaN fails
-            const bool above = limit.side == Limit::Side::at_most;
-            const bool holds = above ? value <= limit.value : value >= limit.value;
-            if (!holds)
-                session.fail_check(fmt::format("{} is {:.9g}, {} {} {:.9g}", name, value,
-                                               above ? "above" : "below", limit.option,
-                                               limit.value));
-        }
+Labels labels(const Options& options) {
+    return {{"image", options.image}, {"reference", options.reference}};
 }
 
 std::vector<ChannelPair> channel_pairs(const Image& image, const Image& reference) {
@@ -75,21 +59,6 @@ std::vector<ChannelPair> channel_pairs(const Image& image, const Image& referenc
     for (const Plane<float>& plane : reference.planes)
         pairs.push_back({image.find(plane.name), &plane.pixels});
     return pairs;
-}
-
-Image heat_picture(std::span<const ChannelPair> pairs, const Options& options,
-                   const Workers& workers) {
-    const Array2D<float> error = relative_error(pairs, workers);
-    const double low = std::log(options.heatmap_range[0]);
-    const double high = std::log(options.heatmap_range[1]);
-    Image picture(error.width(), error.height());
-    auto &r = picture.plane("R"), &g = picture.plane("G"), &b = picture.plane("B");
-    for (size_t i = 0; i < error.size(); ++i) {
-        const double t = (std::log(double(error[i])) - low) / (high - low);
-        const Imath::V3f color = false_color(float(t));
-        r[i] = color.x, g[i] = color.y, b[i] = color.z;
-    }
-    return picture;
 }
 
 // The first sample that is not finite, for the message.
@@ -109,49 +78,90 @@ void require_same_shape(const Image& image, const Image& reference, const Option
                           options.reference);
 }
 
-void compare(const Options& options, cli::Session& session) {
-    const Image reference =
-        read_selected(session, options.reference, options.selection, NonFinite::keep);
+struct Pair {
+    Image image, reference;
+};
+
+Pair read_pair(const Options& options, cli::Session& session) {
+    Pair pair;
+    pair.reference = read_selected(session, options.reference, options.selection, NonFinite::keep);
     cli::ImageSelection same = options.selection;
     same.layer.clear();
     same.channels.clear();
-    for (const Plane<float>& plane : reference.planes)
+    for (const Plane<float>& plane : pair.reference.planes)
         same.channels.push_back(plane.name);
-    const Image image = read_selected(session, options.image, same, NonFinite::keep);
-    require_same_shape(image, reference, options);
-
-    cli::Figures figures;
-    const std::vector<ChannelPair> pairs = channel_pairs(image, reference);
-    {
-        const auto timer = session.phase("compare");
-        figures = named(error_figures(pairs, options.error, session.workers()), "");
-        for (size_t c = 0; options.per_channel && c < pairs.size(); ++c) {
-            const cli::Figures one =
-                named(error_figures(std::span(&pairs[c], 1), options.error, session.workers()),
-                      reference.planes[c].name + ".");
-            figures.insert(figures.end(), one.begin(), one.end());
-        }
-    }
-    session.stats().result = cli::as_json(figures);
-    session.print(cli::formatted(figures, options.form(), labels(options)));
-    if (!options.heatmap.empty())
-        session.write_image(options.heatmap, heat_picture(pairs, options, session.workers()),
-                            session.image_config());
-    check_limits(figures, options, session);
-    for (const auto& [pixels, path] :
-         {std::pair(&image, &options.image), std::pair(&reference, &options.reference)})
-        if (const std::string what = first_non_finite(*pixels, *path); !what.empty())
-            session.fail_check(what);
+    pair.image = read_selected(session, options.image, same, NonFinite::keep);
+    require_same_shape(pair.image, pair.reference, options);
+    return pair;
 }
 
-template<class Planes>
-size_t differing_samples(const Planes& planes, const Planes& others) {
-    size_t count = 0;
-    for (size_t c = 0; c < planes.size(); ++c)
-        for (size_t i = 0; i < planes[c].pixels.size(); ++i)
-            count += std::bit_cast<uint32_t>(planes[c].pixels[i]) !=
-                     std::bit_cast<uint32_t>(others[c].pixels[i]);
-    return count;
+cli::Figures compared(const Pair& pair, const std::vector<ChannelPair>& channels,
+                      const Options& options, cli::Session& session) {
+    const auto timer = session.phase("compare");
+    cli::Figures figures = named(error_figures(channels, options.error, session.workers()), "");
+    for (size_t c = 0; options.per_channel && c < channels.size(); ++c) {
+        const cli::Figures one =
+            named(error_figures(std::span(&channels[c], 1), options.error, session.workers()),
+                  pair.reference.planes[c].name + ".");
+        figures.insert(figures.end(), one.begin(), one.end());
+    }
+    return figures;
+}
+
+// One pair of images: its figures, its picture, its part in the tiles and the limits.
+cli::Figures compare(const Options& options, cli::Session& session,
+                     std::optional<TileErrors>& tiles) {
+    const Pair pair = read_pair(options, session);
+    const std::vector<ChannelPair> channels = channel_pairs(pair.image, pair.reference);
+    const cli::Figures figures = compared(pair, channels, options, session);
+    if (!options.tiles.empty()) {
+        const auto timer = session.phase("compare");
+        if (!tiles)
+            tiles.emplace(
+                TileConfig{options.tile_px, options.error.sigmas_px, options.error.border},
+                pair.reference.width, pair.reference.height);
+        tiles->add(channels, session.workers());
+    }
+    if (!options.heatmap.empty())
+        session.write_image(options.heatmap,
+                            heat_picture(relative_error(channels, session.workers()),
+                                         options.heatmap_range[0], options.heatmap_range[1]),
+                            session.image_config());
+    check_limits(figures, options.limits, session);
+    for (const auto& [pixels, path] :
+         {std::pair(&pair.image, &options.image), std::pair(&pair.reference, &options.reference)})
+        if (const std::string what = first_non_finite(*pixels, *path); !what.empty())
+            session.fail_check(what);
+    return figures;
+}
+
+// Without --frames one pair, else one for each frame; figures are said as they come.
+void compare_all(const Options& options, cli::Session& session) {
+    std::optional<TileErrors> tiles;
+    cli::Json objects = cli::Json::array();
+    const std::vector<int> once = {0};
+    for (const int frame : options.frames.empty() ? once : options.frames) {
+        Options one = options;
+        cli::Figures figures;
+        if (!options.frames.empty()) {
+            for (std::string* path : {&one.image, &one.reference, &one.heatmap})
+                *path = numbered_path(*path, frame);
+            figures.emplace_back("frame", frame);
+        }
+        const cli::Figures measured = compare(one, session, tiles);
+        figures.insert(figures.end(), measured.begin(), measured.end());
+        std::string text = cli::formatted(figures, options.form(), labels(one));
+        if (options.csv && !objects.empty()) text.erase(0, text.find('\n') + 1); // one header
+        if (options.frames.empty() || !options.json) session.print(text);
+        objects.push_back(cli::as_json(figures));
+        for (const auto& [name, label] : labels(one))
+            if (options.json) objects.back()[name] = label;
+    }
+    if (!options.frames.empty() && options.json) session.print(objects.dump(2) + "\n");
+    session.stats().result =
+        options.frames.empty() ? objects.front() : cli::Json{{"frames", std::move(objects)}};
+    if (tiles)
+        session.write_text(options.tiles, tile_table(tiles->figures(), options.error.sigmas_px));
 }
 
 void compare_bits(const Options& options, cli::Session& session) {
@@ -169,8 +179,7 @@ void compare_bits(const Options& options, cli::Session& session) {
             throw input_error("{}: channels {}, expected {} as in {}", options.image,
                               parts[i].channel_names(), others[i].channel_names(),
                               options.reference);
-        count += differing_samples(parts[i].planes, others[i].planes);
-        count += differing_samples(parts[i].uint_planes, others[i].uint_planes);
+        count += differing_samples(parts[i], others[i]);
         if (const std::string what = first_non_finite(parts[i], options.image); !what.empty())
             session.fail_check(what);
     }
@@ -178,42 +187,6 @@ void compare_bits(const Options& options, cli::Session& session) {
     session.stats().result = cli::as_json(figures);
     session.print(cli::formatted(figures, options.form(), labels(options)));
     if (count > 0) session.fail_check(fmt::format("{} samples differ", count));
-}
-
-void add_limits(cli::Tool& tool, Options& options) {
-    const auto add = [&](const std::string& option, const std::string& figure, Limit::Side side) {
-        tool.app
-            .add_option_function<std::string>(
-                option,
-                [&options, option, figure, side](const std::string& text) {
-                    const double value = cli::parse_numbers(text, 1, option)[0];
-                    options.limits.push_back({option, figure, side, value});
-                },
-                fmt::format("Fail if {} is {}", figure,
-                            side == Limit::Side::at_most ? "above" : "below"))
-            ->type_name("LIMIT")
-            ->group("Limits (exit status 1)");
-    };
-    add("--max-mse", "mse", Limit::Side::at_most);
-    add("--max-rmse", "rmse", Limit::Side::at_most);
-    add("--max-relmse", "relmse", Limit::Side::at_most);
-    add("--max-block-relmse", "block_relmse", Limit::Side::at_most);
-    add("--max-abs", "max_abs", Limit::Side::at_most);
-    add("--max-perceptual", "perceptual_", Limit::Side::at_most);
-    add("--min-psnr", "psnr_db", Limit::Side::at_least);
-    tool.app
-        .add_option_function<std::string>(
-            "--mean-ratio",
-            [&options](const std::string& text) {
-                const auto range = cli::parse_numbers(text, 2, "--mean-ratio");
-                options.limits.push_back(
-                    {"--mean-ratio", "mean_ratio", Limit::Side::at_least, range[0]});
-                options.limits.push_back(
-                    {"--mean-ratio", "mean_ratio", Limit::Side::at_most, range[1]});
-            },
-            "Fail if mean_ratio is outside")
-        ->type_name("LO,HI")
-        ->group("Limits (exit status 1)");
 }
 
 void add_options(cli::Tool& tool, Options& options) {
@@ -226,6 +199,10 @@ void add_options(cli::Tool& tool, Options& options) {
                    "Gaussian of the perceptual error in pixels, 0..1000; may be repeated")
         ->type_name("PX")
         ->allow_extra_args(false);
+    app.add_option_function<std::string>(
+           "--frames", [&](const std::string& text) { options.frames = parse_frame_range(text); },
+           "Frames to judge, A-B or A-BxS: names are numbered with %04d")
+        ->type_name("RANGE");
     app.add_flag("--wrap", options.wrap, "Tileable images: the Gaussian wraps around");
     app.add_option("--peak", options.error.peak, "White of psnr_db")->type_name("VALUE");
     app.add_flag("--per-channel", options.per_channel, "Every figure also for each channel");
@@ -242,9 +219,14 @@ void add_options(cli::Tool& tool, Options& options) {
            "Relative errors at the ends of the colour scale (logarithmic)")
         ->type_name("LO,HI")
         ->default_str("0.001,1");
+    app.add_option("--tiles", options.tiles,
+                   "Errors by tile as CSV, means over all frames compared")
+        ->type_name("FILE");
+    app.add_option("--tile", options.tile_px, "Side of these tiles in pixels")
+        ->check(CLI::Range(1, 1 << 20));
     auto* json = app.add_flag("--json", options.json, "Figures as a JSON object");
     app.add_flag("--csv", options.csv, "Figures as CSV, a header and a row")->excludes(json);
-    add_limits(tool, options);
+    cli::add_limits(tool, options.limits);
     auto* identical =
         app.add_flag("--identical", options.identical,
                      "Only whether all samples of all channels and parts are equal bit for bit");
@@ -260,11 +242,15 @@ void add_options(cli::Tool& tool, Options& options) {
 void run(Options options, cli::Session& session) {
     if (options.image == "-" && options.reference == "-")
         throw usage_error("only one image can come from standard input");
+    for (const std::string& path : {options.image, options.heatmap})
+        if (options.frames.size() > 1 && !path.empty() && !is_numbered(path))
+            throw usage_error("{}: {} frames need a numbered name such as frame.%04d.exr", path,
+                              options.frames.size());
     options.error.border = options.wrap ? Border::wrap : Border::mirror;
     if (options.identical)
         compare_bits(options, session);
     else
-        compare(options, session);
+        compare_all(options, session);
 }
 
 } // namespace

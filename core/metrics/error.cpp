@@ -3,6 +3,7 @@
 #include "metrics/sum.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -155,6 +156,16 @@ RowSums first_sums(std::span<const ChannelPair> channels, const Workers& workers
     });
 }
 
+template<class Planes>
+size_t differing_in(const Planes& planes, const Planes& others) {
+    size_t count = 0;
+    for (size_t c = 0; c < planes.size(); ++c)
+        for (size_t i = 0; i < planes[c].pixels.size(); ++i)
+            count += std::bit_cast<uint32_t>(planes[c].pixels[i]) !=
+                     std::bit_cast<uint32_t>(others[c].pixels[i]);
+    return count;
+}
+
 } // namespace
 
 ErrorFigures error_figures(std::span<const ChannelPair> channels, const ErrorConfig& config,
@@ -214,6 +225,13 @@ Array2D<float> relative_error(std::span<const ChannelPair> channels, const Worke
         result[i] = float(std::sqrt(total / double(channels.size())));
     }
     return result;
+}
+
+size_t differing_samples(const Image& image, const Image& reference) {
+    QL_CHECK_EQ(image.planes.size(), reference.planes.size());
+    QL_CHECK_EQ(image.uint_planes.size(), reference.uint_planes.size());
+    return differing_in(image.planes, reference.planes) +
+           differing_in(image.uint_planes, reference.uint_planes);
 }
 
 } // namespace ql

@@ -18,6 +18,7 @@
 
 #include "base/array2d.h"
 #include "base/parallel.h"
+#include "image/image.h"
 #include "metrics/filter.h"
 
 #include <cstdint>
@@ -66,5 +67,9 @@ ErrorFigures error_figures(std::span<const ChannelPair> channels, const ErrorCon
 // Per pixel sqrt(mean over channels of (I - R)^2 / (R^2 + 0.01 mean(R)^2)), for heat maps; NaN
 // where a channel is not finite.
 Array2D<float> relative_error(std::span<const ChannelPair> channels, const Workers& workers);
+
+// Samples of float and unsigned planes that are not the same bit for bit, of images with the same
+// size and the same channels in the same order.
+size_t differing_samples(const Image& image, const Image& reference);
 
 } // namespace ql

@@ -30,4 +30,15 @@ Imath::V3f false_color(float t) {
     return {linear_from_srgb(encoded.x), linear_from_srgb(encoded.y), linear_from_srgb(encoded.z)};
 }
 
+Image heat_picture(const Array2D<float>& values, double low, double high) {
+    Image picture(values.width(), values.height());
+    auto &r = picture.plane("R"), &g = picture.plane("G"), &b = picture.plane("B");
+    for (size_t i = 0; i < values.size(); ++i) {
+        const double t = std::log(double(values[i]) / low) / std::log(high / low);
+        const Imath::V3f color = false_color(float(t));
+        r[i] = color.x, g[i] = color.y, b[i] = color.z;
+    }
+    return picture;
+}
+
 } // namespace ql
