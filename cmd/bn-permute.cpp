@@ -8,7 +8,7 @@ using namespace ql;
 namespace {
 
 struct Options {
-    std::string image, seeds, motion, depth, next, similar, output;
+    std::string image, seeds, motion, depth, next, similar, albedo, output;
     int64_t frame = 0;
     cli::PermuteOptions permute;
     uint64_t seed = 0;
@@ -30,6 +30,8 @@ void add_options(cli::Tool& tool, Options& options) {
     file("--next", options.next, "Any image with the next frame's camera matrices");
     file("--similar", options.similar,
          "Sort among like surfaces only: channels id, N.X N.Y N.Z, albedo.R albedo.G albedo.B");
+    file("--albedo", options.albedo,
+         "Sort intensity over albedo: channels albedo.R albedo.G albedo.B");
     tool.add_seed(options.seed);
     tool.add_output(options.output, "Seeds of the next frame, .exr");
     tool.add_format(options.format);
@@ -115,6 +117,14 @@ Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
     return surfaces;
 }
 
+Array2D<float> read_intensity(const Options& options, const Image& image, cli::Session& session) {
+    const Array2D<float> intensity = intensity_plane(image, options.image);
+    if (options.albedo.empty()) return intensity;
+    const Image albedo = session.read_image(options.albedo, guide_config());
+    check_size(albedo, image.width, image.height, options.albedo);
+    return demodulated(intensity, albedo, options.albedo);
+}
+
 Array2D<uint32_t> read_seeds(const Options& options, const Permuter& permuter,
                              cli::Session& session) {
     if (options.seeds.empty()) return permuter.fresh_seeds(options.frame);
@@ -134,7 +144,7 @@ void run(Options& options, cli::Session& session) {
 
     // Read the frame, the mask and the textures
     const Image image = session.read_image(options.image);
-    const Array2D<float> intensity = intensity_plane(image, options.image);
+    const Array2D<float> intensity = read_intensity(options, image, session);
     cli::PermuteInputs inputs = cli::read_permute_inputs(session, options.permute);
     inputs.config.seed = options.seed;
     const std::string files = fmt::format("{}", fmt::join(options.permute.retarget, ", "));

@@ -16,7 +16,7 @@ struct Options {
     cli::PermuteOptions permute;
     SequenceConfig sequence;
     bool no_roulette = false;
-    bool similar = false;
+    bool similar = false, demodulate = false;
     std::string output, accumulate, seeds, seeds_out;
     FileFormat format = FileFormat::by_extension;
     bool half = false;
@@ -85,6 +85,7 @@ void declare(cli::Tool& tool, Options& o) {
         ->default_str("white");
     cli::add_permute_options(tool, o.permute);
     tool.app.add_flag("--similar", o.similar, "Sort among surfaces of like normal and albedo only");
+    tool.app.add_flag("--demodulate", o.demodulate, "Sort intensity divided by albedo");
     tool.app
         .add_option("--estimates", o.sequence.estimates,
                     "histogram: estimates per pixel to choose from")
@@ -127,6 +128,7 @@ FrameSequence make_sequence(Options& o, cli::Session& session) {
         textures = std::move(inputs.textures);
         o.sequence.permute = inputs.config;
     }
+    if (o.demodulate) o.sequence.demodulate = Demodulate::on;
     if (o.similar) o.sequence.similar = SimilarSurfaces::on;
     return {o.sequence, std::move(mask), std::move(textures), o.scene.size.width,
             o.scene.size.height};

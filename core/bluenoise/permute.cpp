@@ -181,6 +181,22 @@ Array2D<float> intensity_plane(const Image& image, const std::string& path) {
     return intensity;
 }
 
+Array2D<float> demodulated(const Array2D<float>& intensity, const Image& guides,
+                           const std::string& path) {
+    constexpr float kLeastAlbedo = 1e-4f;
+    const auto *r = guides.find("albedo.R"), *g = guides.find("albedo.G"),
+               *b = guides.find("albedo.B");
+    if (!(r && g && b))
+        throw input_error("{}: channels {}, expected albedo.R albedo.G albedo.B", path,
+                          guides.channel_names());
+    Array2D<float> result = intensity;
+    for (size_t i = 0; i < result.size(); ++i) {
+        const float albedo = luminance((*r)[i], (*g)[i], (*b)[i]);
+        if (albedo >= kLeastAlbedo && std::isfinite(albedo)) result[i] /= albedo;
+    }
+    return result;
+}
+
 std::optional<MotionPlanes> motion_planes(const Image& image) {
     const auto *x = image.find("motion.X"), *y = image.find("motion.Y");
     if (!x || !y) return std::nullopt;

@@ -92,6 +92,13 @@ class Permuter {
 // The luminance of R, G, B, or the only plane. Errors: ErrorKind::input.
 Array2D<float> intensity_plane(const Image& image, const std::string& path);
 
+// The same over the luminance of albedo.R .G .B: what a texture adds to the intensity says nothing
+// about the pixel's random numbers, so dividing by it leaves the error to be sorted. Where the
+// albedo is below 1e-4 or not finite (nothing hit, emitters) the intensity stays. Errors:
+// ErrorKind::input.
+Array2D<float> demodulated(const Array2D<float>& intensity, const Image& guides,
+                           const std::string& path);
+
 // Motion planes motion.X, motion.Y, if there.
 std::optional<MotionPlanes> motion_planes(const Image& image);
 

@@ -121,6 +121,7 @@ FrameResult FrameSequence::render_temporal(const FrameView& view, const Workers&
     uint32_t guides = 0;
     if (m_config.permute.reproject != ReprojectMode::off) guides |= kAovMotion;
     if (m_config.similar == SimilarSurfaces::on) guides |= kAovId | kAovNormal | kAovAlbedo;
+    if (m_config.demodulate == Demodulate::on) guides |= kAovAlbedo;
     RenderConfig config = m_config.render;
     config.aovs |= guides;
     FrameResult result =
@@ -128,6 +129,8 @@ FrameResult FrameSequence::render_temporal(const FrameView& view, const Workers&
 
     // Keep what the passes look at.
     m_guides = Guides{view.frame, intensity_plane(result.image, "frame"), std::nullopt, {}};
+    if (m_config.demodulate == Demodulate::on)
+        m_guides->intensity = demodulated(m_guides->intensity, result.image, "frame");
     if (guides & kAovMotion) m_guides->motion = motion_planes(result.image);
     if (m_config.similar == SimilarSurfaces::on) m_guides->surfaces = surface_numbers(result.image);
     drop_planes(result.image, guides & ~m_config.render.aovs);

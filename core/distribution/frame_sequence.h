@@ -18,6 +18,7 @@ namespace ql {
 
 enum class Distribution { white, dithered, histogram, temporal };
 enum class SimilarSurfaces { off, on };
+enum class Demodulate { off, on };
 
 struct SequenceConfig {
     Distribution distribution = Distribution::white;
@@ -26,6 +27,7 @@ struct SequenceConfig {
     int estimates = 16; // histogram: K, [1, 4096]
     PermuteConfig permute;
     SimilarSurfaces similar = SimilarSurfaces::off; // sort among like surfaces only
+    Demodulate demodulate = Demodulate::off;        // sort intensity over albedo
 };
 
 // What a frame is rendered from.

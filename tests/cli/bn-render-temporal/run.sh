@@ -44,6 +44,13 @@ for frame in 0 1 2; do
         --similar alike.$frame.exr --frame $frame -o permuted.exr
     img-diff --identical permuted.exr alike.s$((frame + 1)).exr || echo "alike: $frame"
 done
+render even --frames 0-3 --retarget still.exr --demodulate
+for frame in 0 1 2; do
+    bn-permute --image even.$frame.exr --seeds even.s$frame.exr --mask mask.exr \
+        --retarget still.exr --albedo even.$frame.exr --frame $frame -o permuted.exr
+    img-diff --identical permuted.exr even.s$((frame + 1)).exr || echo "even: $frame"
+done
+img-diff --identical even.s3.exr still.s3.exr 2>/dev/null | sed "s/[1-9][0-9]*/many/"
 
 # Frames 2-3 from the seeds of frame 2.
 render part --frames 2-3 --retarget still.exr --refresh 3 --seed 5 --seeds still.s2.exr

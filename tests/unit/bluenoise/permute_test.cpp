@@ -379,5 +379,22 @@ TEST(guides, intensity_is_luminance) {
     EXPECT_EQ(intensity_plane(image, "i")[0], luminance(1, 2, 3));
 }
 
+TEST(Demodulated, IntensityForgetsTheTexture) {
+    Image image(3, 1);
+    auto &r = image.plane("albedo.R"), &g = image.plane("albedo.G"), &b = image.plane("albedo.B");
+    for (Array2D<float>* plane : {&r, &g, &b}) {
+        (*plane)[0] = 0.25f;
+        (*plane)[1] = 0.5f;
+        (*plane)[2] = 0;
+    }
+    Array2D<float> intensity(3, 1);
+    intensity[0] = 1, intensity[1] = 2, intensity[2] = 3;
+    const Array2D<float> even = demodulated(intensity, image, "i");
+    EXPECT_FLOAT_EQ(even[0], 4);
+    EXPECT_FLOAT_EQ(even[1], 4);
+    EXPECT_EQ(even[2], 3); // black: as it is
+    EXPECT_THROW(demodulated(intensity, Image(3, 1), "i"), Error);
+}
+
 } // namespace
 } // namespace ql
