@@ -1,5 +1,6 @@
 // bn-render: path-traced frames whose random numbers follow from one 32-bit seed per pixel.
 #include "cli/permute_options.h"
+#include "cli/render_output.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
 #include "distribution/frame_sequence.h"
@@ -17,10 +18,8 @@ struct Options {
     SequenceConfig sequence;
     bool no_roulette = false;
     bool similar = false, demodulate = false;
-    std::string output, accumulate, seeds, seeds_out;
-    FileFormat format = FileFormat::by_extension;
-    bool half = false;
-    float exposure_stops = 0;
+    cli::RenderOutput output;
+    std::string accumulate, seeds, seeds_out;
     bool strict = false;
 };
 
@@ -34,11 +33,7 @@ const std::map<std::string, Distribution> kDistributions = {{"white", Distributi
 void declare(cli::Tool& tool, Options& o) {
     cli::add_scene_options(tool, o.scene);
     cli::add_frame_options(tool, o.scene);
-    tool.add_output(o.output, "Frames, .exr or .png, numbered by %04d");
-    tool.add_format(o.format);
-    tool.app.add_flag("--half", o.half, "Write 16-bit floats");
-    tool.app.add_option("--exposure", o.exposure_stops,
-                        "Stops by which PNG pictures are brightened");
+    cli::add_render_output(tool, o.output, "Frames, .exr or .png, numbered by %04d");
     tool.app.add_option("--spp", o.sequence.render.spp, "Samples per pixel and frame")
         ->check(CLI::Range(1, 1 << 24));
     tool.app
@@ -102,12 +97,8 @@ void declare(cli::Tool& tool, Options& o) {
 }
 
 void check(const Options& o) {
-    const bool several = o.scene.frames.size() > 1;
-    for (const std::string* path : {&o.output, &o.seeds_out})
-        if (several && !path->empty() && !is_numbered(*path))
-            throw usage_error("{}: {} frames need a numbered name such as frame.%04d.exr", *path,
-                              o.scene.frames.size());
-    file_format(o.output, o.format);
+    cli::check_frame_names(o.scene.frames, {o.output.path, o.seeds_out});
+    file_format(o.output.path, o.output.format);
     if (!o.accumulate.empty()) file_format(o.accumulate, FileFormat::by_extension);
     if ((o.sequence.render.aovs & kAovVariance) && o.sequence.render.spp < 2)
         throw usage_error("--aov variance needs --spp 2 or more");
@@ -184,11 +175,8 @@ void write_frame(const Options& o, cli::Session& session, int frame, FrameResult
     result.image.metadata["ql:spp"] = o.sequence.render.spp;
     result.image.metadata["ql:max_depth"] = o.sequence.render.path.max_depth;
     result.image.metadata["ql:seed"] = std::to_string(o.sequence.seed);
-    ImageWriteConfig write = session.image_config();
-    write.format = o.format;
-    write.depth = o.half ? FloatDepth::half : FloatDepth::float32;
-    write.exposure_stops = o.exposure_stops;
-    session.write_image(numbered_path(o.output, frame), result.image, write);
+    ImageWriteConfig write = cli::image_config(session, o.output);
+    session.write_image(numbered_path(o.output.path, frame), result.image, write);
     if (!o.seeds_out.empty())
         session.write_image(numbered_path(o.seeds_out, frame), seed_image(seeds),
                             session.image_config());

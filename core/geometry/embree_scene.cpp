@@ -30,11 +30,11 @@ struct EmbreeScene::Impl {
 
 namespace {
 
-// What callbacks of one ray need beside Embree's own context, which must come first.
+// What callbacks need beside Embree's own context, which must come first. The id of a ray is its
+// alpha key.
 struct RayContext {
     RTCIntersectContext embree;
     const EmbreeScene::Impl* scene;
-    uint32_t alpha_key;
 };
 
 // A well-mixed 24-bit fraction from the ray's key and the place it met.
@@ -49,18 +49,21 @@ float alpha_random(uint32_t key, uint32_t surface, uint32_t primitive) {
 }
 
 void filter_alpha(const RTCFilterFunctionNArguments* arguments) {
-    if (arguments->valid[0] == 0) return;
-    const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
+    const EmbreeScene::Impl& scene =
+        *reinterpret_cast<const RayContext*>(arguments->context)->scene;
+    const unsigned n = arguments->N;
     RTCHitN* hit = arguments->hit;
-    const uint32_t instance = RTCHitN_instID(hit, arguments->N, 0, 0);
-    const uint32_t surface =
-        instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(hit, arguments->N, 0);
-    const uint32_t primitive = RTCHitN_primID(hit, arguments->N, 0);
-    const EmbreeScene::Impl& scene = *context.scene;
-    const bool solid = scene.alpha_test->is_solid(
-        *scene.world, surface, primitive, RTCHitN_u(hit, arguments->N, 0),
-        RTCHitN_v(hit, arguments->N, 0), alpha_random(context.alpha_key, surface, primitive));
-    if (!solid) arguments->valid[0] = 0;
+    for (unsigned i = 0; i < n; ++i) {
+        if (arguments->valid[i] == 0) continue;
+        const uint32_t instance = RTCHitN_instID(hit, n, i, 0);
+        const uint32_t surface =
+            instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(hit, n, i);
+        const uint32_t primitive = RTCHitN_primID(hit, n, i);
+        const float random = alpha_random(RTCRayN_id(arguments->ray, n, i), surface, primitive);
+        const bool solid = scene.alpha_test->is_solid(
+            *scene.world, surface, primitive, RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i), random);
+        if (!solid) arguments->valid[i] = 0;
+    }
 }
 
 void shape_bounds_callback(const RTCBoundsFunctionArguments* arguments) {
@@ -88,23 +91,23 @@ bool needs_alpha_test(const Material& material) {
 
 // The nearest crossing that is solid; each crossing is a decision of its own.
 std::optional<QuadricHit> shape_hit(const RayContext& context, uint32_t index, RTCRayN* ray,
-                                    unsigned n) {
+                                    unsigned n, unsigned i) {
     const EmbreeScene::Impl& scene = *context.scene;
     const Surface& surface = scene.world->surfaces[index];
-    const V3d origin(RTCRayN_org_x(ray, n, 0), RTCRayN_org_y(ray, n, 0), RTCRayN_org_z(ray, n, 0));
-    const V3d direction(RTCRayN_dir_x(ray, n, 0), RTCRayN_dir_y(ray, n, 0),
-                        RTCRayN_dir_z(ray, n, 0));
+    const V3d origin(RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i));
+    const V3d direction(RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i),
+                        RTCRayN_dir_z(ray, n, i));
     const V3d from = surface.body_from_render.point(origin);
     const V3d along = surface.body_from_render.vector(direction);
-    const double t_far = double(RTCRayN_tfar(ray, n, 0));
-    double t_near = double(RTCRayN_tnear(ray, n, 0));
+    const double t_far = double(RTCRayN_tfar(ray, n, i));
+    double t_near = double(RTCRayN_tnear(ray, n, i));
     const bool solid = !scene.alpha_test ||
                        !needs_alpha_test(scene.world->scene->materials[size_t(surface.material)]);
     for (uint32_t crossing = 0;; ++crossing) {
         const auto hit = intersect_shape(*surface.implicit, from, along, t_near, t_far);
         if (!hit || solid ||
             scene.alpha_test->is_solid(*scene.world, index, 0, hit->uv.x, hit->uv.y,
-                                       alpha_random(context.alpha_key, index, crossing)))
+                                       alpha_random(RTCRayN_id(ray, n, i), index, crossing)))
             return hit;
         t_near = hit->t;
     }
@@ -117,7 +120,7 @@ void intersect_shape_callback(const RTCIntersectFunctionNArguments* arguments) {
     RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
     RTCHitN* hit = RTCRayHitN_HitN(arguments->rayhit, arguments->N);
     const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
-    const auto found = shape_hit(context, arguments->geomID, ray, arguments->N);
+    const auto found = shape_hit(context, arguments->geomID, ray, 1, 0);
     if (!found) return;
     const Imath::M33f& m = surface.render_from_normal;
     const V3f n(found->normal);
@@ -133,10 +136,11 @@ void intersect_shape_callback(const RTCIntersectFunctionNArguments* arguments) {
 }
 
 void occluded_shape_callback(const RTCOccludedFunctionNArguments* arguments) {
-    if (arguments->valid[0] == 0) return;
     const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
-    if (shape_hit(context, arguments->geomID, arguments->ray, arguments->N))
-        RTCRayN_tfar(arguments->ray, 1, 0) = -kInfinity;
+    const unsigned n = arguments->N;
+    for (unsigned i = 0; i < n; ++i)
+        if (arguments->valid[i] != 0 && shape_hit(context, arguments->geomID, arguments->ray, n, i))
+            RTCRayN_tfar(arguments->ray, n, i) = -kInfinity;
 }
 
 RTCGeometry triangle_geometry(RTCDevice device, const Body& body, const Mesh& mesh) {
@@ -210,7 +214,7 @@ RTCIntersectContext plain_context() {
     return context;
 }
 
-void set_ray(RTCRay& to, const Ray& from) {
+void set_ray(RTCRay& to, const Ray& from, uint32_t alpha_key) {
     to.org_x = from.origin.x;
     to.org_y = from.origin.y;
     to.org_z = from.origin.z;
@@ -221,8 +225,23 @@ void set_ray(RTCRay& to, const Ray& from) {
     to.time = 0;
     to.tfar = from.t_far;
     to.mask = ~0u;
-    to.id = 0;
+    to.id = alpha_key;
     to.flags = 0;
+}
+
+void set_lane(RTCRay8& to, size_t i, const Ray& from, uint32_t alpha_key) {
+    to.org_x[i] = from.origin.x;
+    to.org_y[i] = from.origin.y;
+    to.org_z[i] = from.origin.z;
+    to.tnear[i] = from.t_near;
+    to.dir_x[i] = from.direction.x;
+    to.dir_y[i] = from.direction.y;
+    to.dir_z[i] = from.direction.z;
+    to.time[i] = 0;
+    to.tfar[i] = from.t_far;
+    to.mask[i] = ~0u;
+    to.id[i] = alpha_key;
+    to.flags[i] = 0;
 }
 
 } // namespace
@@ -263,9 +282,9 @@ EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;
 EmbreeScene& EmbreeScene::operator=(EmbreeScene&&) noexcept = default;
 
 bool EmbreeScene::intersect(const Ray& ray, uint32_t alpha_key, Hit& hit) const {
-    RayContext context{plain_context(), m_impl.get(), alpha_key};
+    RayContext context{plain_context(), m_impl.get()};
     RTCRayHit query;
-    set_ray(query.ray, ray);
+    set_ray(query.ray, ray, alpha_key);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(m_impl->scene, &context.embree, &query);
@@ -281,11 +300,30 @@ bool EmbreeScene::intersect(const Ray& ray, uint32_t alpha_key, Hit& hit) const 
 }
 
 bool EmbreeScene::is_occluded(const Ray& ray, uint32_t alpha_key) const {
-    RayContext context{plain_context(), m_impl.get(), alpha_key};
+    RayContext context{plain_context(), m_impl.get()};
     RTCRay query;
-    set_ray(query, ray);
+    set_ray(query, ray, alpha_key);
     rtcOccluded1(m_impl->scene, &context.embree, &query);
     return query.tfar < 0;
+}
+
+uint32_t EmbreeScene::occluded(std::span<const Ray> rays, const uint32_t* alpha_keys) const {
+    QL_DCHECK(!rays.empty() && rays.size() <= kPacketRays);
+    if (rays.size() == 1) return is_occluded(rays[0], alpha_keys[0]) ? 1 : 0;
+    RayContext context{plain_context(), m_impl.get()};
+    RTCRay8 query;
+    alignas(32) int valid[kPacketRays];
+    for (size_t i = 0; i < kPacketRays; ++i) {
+        // Lanes without a ray hold the first one, switched off.
+        const bool is_there = i < rays.size();
+        set_lane(query, i, rays[is_there ? i : 0], alpha_keys[is_there ? i : 0]);
+        valid[i] = is_there ? -1 : 0;
+    }
+    rtcOccluded8(valid, m_impl->scene, &context.embree, &query);
+    uint32_t blocked = 0;
+    for (size_t i = 0; i < rays.size(); ++i)
+        blocked |= uint32_t{query.tfar[i] < 0} << i;
+    return blocked;
 }
 
 const World& EmbreeScene::world() const {

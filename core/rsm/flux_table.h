@@ -1,13 +1,16 @@
-// Texels of all maps by their flux, from two numbers in [0, 1).
+// Points of all maps by their flux, from two numbers in [0, 1).
 //
-// By the inverse of the distribution function, rows first, then texels of the row: unlike an alias
+// By the inverse of the distribution function, rows first, then places in the row: unlike an alias
 // table it is monotone, so that near numbers give near texels, which samples shifted by a
 // blue-noise mask need. Guide tables make a look-up take constant time on average (Chen & Asau, "On
-// generating random variates from an empirical distribution", 1974). Immutable.
+// generating random variates from an empirical distribution", 1974). Large maps are divided into
+// cells of several texels, each with the flux of all of them, so that the tables stay in the
+// cache: the density follows the flux cell by cell, which costs noise but no bias. Immutable.
 #pragma once
 
 #include "rsm/map.h"
 
+#include <algorithm>
 #include <span>
 
 namespace ql {
@@ -17,25 +20,53 @@ class FluxTable {
     FluxTable() = default;
     explicit FluxTable(std::span<const ReflectiveShadowMap> maps);
 
-    bool empty() const { return !(m_inverse_sum > 0); }
+    bool empty() const { return m_cell_share.empty(); }
 
     struct Choice {
-        size_t map;
-        size_t texel;
-        V2f uv; // uniform in the texel
+        uint32_t map;
+        V2f uv; // uniform in the cell
     };
     // The table must not be empty.
-    Choice sample(double u_row, float u_texel) const;
-    // Of a texel of that flux.
-    float probability(const V3f& flux) const { return (flux.x + flux.y + flux.z) * m_inverse_sum; }
+    Choice sample(double u_row, float u_place) const;
+
+    // The same in steps, so that many samples wait for memory together: row, prefetch, choice.
+    // Rows are counted through all maps.
+    uint32_t row(double u_row) const;
+    void prefetch(uint32_t row, float u_place) const {
+        __builtin_prefetch(&m_guide[guide_cell(row, u_place)]);
+        __builtin_prefetch(&m_end[guide_cell(row, u_place)]);
+    }
+    Choice choice(uint32_t row, double u_row, float u_place) const;
+
+    // Density at a point of a map, per area of the map's square; over all maps it sums to 1.
+    float density(uint32_t map, const V2f& uv) const { return m_cell_share[cell_at(map, uv)]; }
+    void prefetch_density(uint32_t map, const V2f& uv) const {
+        __builtin_prefetch(&m_cell_share[cell_at(map, uv)]);
+    }
 
   private:
-    int m_size = 0;                    // texels along a side; all maps have the same
-    float m_inverse_sum = 0;           // 1 / sum of all fluxes, of all colours
+    size_t guide_cell(uint32_t row, float u_place) const {
+        const int cell = std::min(int(u_place * float(m_cells)), m_cells - 1);
+        return size_t(row) * size_t(m_cells) + size_t(cell);
+    }
+    size_t cell_at(uint32_t map, const V2f& uv) const {
+        const int x = std::min(int(uv.x * m_cells_per_side), m_cells - 1);
+        const int y = std::min(int(uv.y * m_cells_per_side), m_cells - 1);
+        return (size_t(map) * size_t(m_cells) + size_t(y)) * size_t(m_cells) + size_t(x);
+    }
+    // Ends of a cell of a row or column, in map widths; the last one may be narrower.
+    float cell_begin(uint32_t cell) const { return float(cell) / m_cells_per_side; }
+    float cell_width(uint32_t cell) const {
+        return std::min(1.0f, float(cell + 1) / m_cells_per_side) - cell_begin(cell);
+    }
+
+    int m_cells = 0;                   // along a side; all maps have the same
+    float m_cells_per_side = 0;        // map width in cells, not whole where the last is narrower
     std::vector<double> m_row_end;     // sum of the shares up to and with each row
-    std::vector<uint32_t> m_row_guide; // first row that may hold k / rows
-    std::vector<float> m_texel_end;    // the same within each row
-    std::vector<uint16_t> m_texel_guide;
+    std::vector<uint32_t> m_row_guide; // first row that may hold k / cells of the guide
+    std::vector<float> m_end;          // the same within each row
+    std::vector<uint16_t> m_guide;
+    std::vector<float> m_cell_share; // of all flux, over the cell's area in map areas
 };
 
 } // namespace ql

@@ -5,6 +5,7 @@
 #include "rsm/interpolation.h"
 #include "rsm/sums.h"
 
+#include <chrono>
 #include <cmath>
 
 namespace ql {
@@ -37,6 +38,7 @@ struct PassJob {
 struct TileState {
     RsmCounts counts;
     ShadowLog log;
+    std::vector<Ray> rays; // RayMeasure::on
 };
 
 // One pixel of a pass before its gather.
@@ -76,9 +78,35 @@ bool needs_gather(const PixelHit& pixel) {
     return pixel.found && (pixel.surface.bsdf.lobes & kLobeDiffuse);
 }
 
+using Clock = std::chrono::steady_clock;
+
+uint64_t nanoseconds_since(Clock::time_point begin) {
+    return uint64_t(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - begin).count());
+}
+
+void trace_alone(const PassJob& job, TileState& state) {
+    const auto begin = Clock::now();
+    for (const Ray& ray : state.rays)
+        job.scene.rays().is_occluded(ray, 0);
+    state.counts.bare_ns += nanoseconds_since(begin);
+    state.rays.clear();
+}
+
 V3f gathered(const PassJob& job, const PixelHit& pixel, int x, int y, TileState& state) {
-    return job.gatherer.irradiance(pixel.receiver, job.samples, job.shifts.shift(x, y, job.pass),
-                                   pixel.alpha_key ^ 0x5bd1e995u, state.log);
+    const auto gather = [&] {
+        return job.gatherer.irradiance(pixel.receiver, job.samples,
+                                       job.shifts.shift(x, y, job.pass),
+                                       pixel.alpha_key ^ 0x5bd1e995u, state.log);
+    };
+    if (job.config.measure == RayMeasure::off) return gather();
+    constexpr size_t kEnoughRays = 1 << 14;
+    state.log.rays = &state.rays;
+    const auto begin = Clock::now();
+    const V3f irradiance = gather();
+    state.counts.gather_ns += nanoseconds_since(begin);
+    if (state.rays.size() > kEnoughRays) trace_alone(job, state);
+    return irradiance;
 }
 
 // Adds direct light and the reflected irradiance, and hands the pixel to the sums.
@@ -185,6 +213,8 @@ void RsmCounts::add(const RsmCounts& other) {
     lit_pixels += other.lit_pixels;
     interpolated_pixels += other.interpolated_pixels;
     discarded_samples += other.discarded_samples;
+    gather_ns += other.gather_ns;
+    bare_ns += other.bare_ns;
 }
 
 RsmRenderer::RsmRenderer(const PosedScene& scene, const PixelCamera& camera, int width, int height,
@@ -243,6 +273,7 @@ void RsmRenderer::render_pass() {
             render_tile_interpolated(job, bounds, states[tile]);
         else
             render_tile(job, bounds, states[tile]);
+        trace_alone(job, states[tile]);
         m_progress.advance();
     });
     m_progress.finish();

@@ -18,6 +18,8 @@ namespace ql {
 enum class Compensate { no, yes };
 // centre: through the centres of the pixels, in all passes; jittered: anywhere in them.
 enum class PixelPoint { centre, jittered };
+// on: the gathers are timed, and their shadow rays are traced once more, alone, for comparison.
+enum class RayMeasure { off, on };
 
 struct RsmConfig {
     MapConfig map; // seed and pass are filled in
@@ -28,6 +30,7 @@ struct RsmConfig {
     Array2D<float> mask; // of Rotation::blue: thresholds in [0, 1)
     int interpolate = 1; // gather at every n-th pixel in both directions, [1, 16]
     PixelPoint pixel = PixelPoint::jittered;
+    RayMeasure measure = RayMeasure::off;
     uint64_t seed = 0;
     uint32_t frame = 0;
     uint32_t aovs = 0; // see Aov; no motion. direct and indirect are always there
@@ -43,6 +46,10 @@ struct RsmCounts {
     uint64_t lit_pixels = 0;          // that needed a gather
     uint64_t interpolated_pixels = 0; // and got it from their neighbours
     uint64_t discarded_samples = 0;   // not finite
+    // RayMeasure::on: wall clock time, added up over threads, of gathers with all that they do, and
+    // of the same shadow rays one by one through EmbreeScene::is_occluded.
+    uint64_t gather_ns = 0;
+    uint64_t bare_ns = 0;
 
     void add(const RsmCounts& other);
 };

@@ -18,14 +18,13 @@ namespace ql {
 
 enum class Rotation { none, white, blue };
 
-// (xi1, xi2) of the pattern, with sine and cosine of 2 pi xi2.
-struct PatternPoint {
-    float xi1, xi2;
-    SinCos angle;
+// The pattern, one array for each value: (xi1, xi2), and xi1 times sine and cosine of 2 pi xi2.
+struct PatternPoints {
+    std::vector<float> xi1, xi2, x, y;
+    float sum_of_squares = 0; // of all xi1
 
-    bool operator==(const PatternPoint& other) const {
-        return xi1 == other.xi1 && xi2 == other.xi2;
-    }
+    size_t size() const { return xi1.size(); }
+    bool operator==(const PatternPoints&) const = default;
 };
 
 // Numbers in [0, 1).
@@ -36,12 +35,13 @@ struct SampleNumbers {
 };
 
 struct PassSamples {
-    std::vector<PatternPoint> pattern;
+    PatternPoints pattern;
     std::vector<SampleNumbers> flux;   // importance: half the samples, rounded up
     std::vector<SampleNumbers> around; // importance: the rest
 };
 
-// samples: at least 1. The pattern is stratified in xi1.
+// samples: at least 1. The pattern is stratified in xi1. Neighbours in these sets find neighbouring
+// texels as a rule, which memory and packets of rays like.
 PassSamples pattern_samples(int samples, uint64_t seed, uint32_t pass);
 PassSamples importance_samples(int samples, uint64_t seed, uint32_t pass);
 

@@ -28,5 +28,21 @@ cmp -s blue.png own.png && echo "the mask changes nothing"
 render --frames 1-2 -o frame.%04d.exr --stats stats.json
 grep -o '"gather_shadow"' stats.json
 grep -o '"interpolated_share"' stats.json
-rsm-render "$scene" --time-limit 0.2 --size 4x4 --rsm-size 8 -o limited.exr
+
+# A time limit adds passes until then: what they make is what --spp makes.
+rsm-render "$scene" --time-limit 0.2 --size 4x4 --rsm-size 8 -o limited.exr --stats limited.json
+passes=$(sed -n 's/.*"passes": \([0-9]*\).*/\1/p' limited.json)
+[ "$passes" -gt 1 ] || echo "one pass in a time for hundreds"
+rsm-render "$scene" --spp "$passes" --size 4x4 --rsm-size 8 -o same.exr
+cmp limited.exr same.exr
+# The first pass is always made, and --spp stays the most there are.
+rsm-render "$scene" --time-limit 0.001 --size 64x64 -o limited.exr --stats limited.json
+grep -o '"passes": 1\b' limited.json
+rsm-render "$scene" --time-limit 60 --spp 2 --size 4x4 --rsm-size 8 -o limited.exr --stats limited.json
+grep -o '"passes": 2' limited.json
+
+# Measuring rays changes no bit.
+render --measure-rays -o measured.exr --stats stats.json
+cmp measured.exr file.exr
+grep -o '"share_of_bare"' stats.json
 ls

@@ -13,6 +13,7 @@ refused --mask mask.exr
 refused --compensate --shadow-test off
 refused --compensate --clamp none
 refused --compensate --weights thesis
+refused --measure-rays --shadow-test off
 refused --clamp distance=0
 refused --clamp sphere
 refused --radius 0

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace ql {
@@ -214,6 +216,44 @@ TEST(embree_scene, blending_holds_for_implicit_shapes) {
     }
     EXPECT_NEAR(in_front / double(kRays), 0.4, 0.015);
     EXPECT_NEAR(stopped / double(kRays), 1 - 0.6 * 0.6, 0.015);
+}
+
+// From one point to many, in packets of every size.
+void expect_packets_equal_single_rays(const PosedScene& posed) {
+    int blocked = 0, rays_traced = 0;
+    for (uint32_t i = 0; i < 2000; ++i) {
+        const size_t count = 1 + i % kPacketRays;
+        std::array<Ray, kPacketRays> rays;
+        std::array<uint32_t, kPacketRays> keys;
+        const V3f from(random_point(3, i, 0.6));
+        uint32_t expected = 0;
+        for (uint32_t k = 0; k < count; ++k) {
+            rays[k] = {from, 0, V3f(random_point(4, 8 * i + k, 0.6)) - from, 1};
+            keys[k] = philox4x32({i, k, 0, 0}, {1, 2})[0];
+            expected |= uint32_t{posed.rays().is_occluded(rays[k], keys[k])} << k;
+        }
+        EXPECT_EQ(posed.rays().occluded({rays.data(), count}, keys.data()), expected) << i;
+        blocked += std::popcount(expected);
+        rays_traced += int(count);
+    }
+    EXPECT_GT(blocked, 100);
+    EXPECT_LT(blocked, rays_traced - 100);
+}
+
+TEST(embree_scene, packets_of_shadow_rays_find_what_single_rays_find) {
+    for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend})
+        for (const bool shared : {false, true}) {
+            const Scene scene = half_transparent(mode, shared, 100);
+            expect_packets_equal_single_rays({scene, render_space_of(scene, kOne), 0, kOne});
+        }
+    SceneBuilder b;
+    Material m = lambert(V3f(1));
+    m.alpha_mode = AlphaMode::blend;
+    m.alpha = 0.4f;
+    const int blended = b.add_material(m);
+    b.add_sphere({0.5, 0, 0}, 1, blended);
+    b.add_sphere({-1, 0.5, 0.2}, 0.8, b.add_material(lambert(V3f(1))));
+    expect_packets_equal_single_rays({b.scene, render_space_of(b.scene, kOne), 0, kOne});
 }
 
 } // namespace

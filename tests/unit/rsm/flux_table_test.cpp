@@ -34,17 +34,54 @@ TEST(rsm_flux_table, texels_are_chosen_by_flux) {
     for (uint32_t i = 0; i < kDraws; ++i) {
         const RandomFloats u = CounterRandom(1, i).block(0);
         const auto choice = table.sample(double(u[0]), u[1]);
-        ASSERT_EQ(maps[choice.map].texel_at(choice.uv.x, choice.uv.y), int64_t(choice.texel));
-        ++counts[choice.map * 9 + choice.texel];
+        ++counts[choice.map * 9 + size_t(maps[choice.map].texel_at(choice.uv.x, choice.uv.y))];
     }
-    double sum = 0;
-    for (size_t i = 0; i < 18; ++i) {
-        const float p = table.probability(maps[i / 9].texels.flux(i % 9));
-        expected[i] = double(p) * kDraws;
-        sum += double(p);
+    double sum = 0, all = 0;
+    for (const ReflectiveShadowMap& map : maps)
+        for (size_t i = 0; i < 9; ++i)
+            all += double(map.texels.green[i]);
+    for (uint32_t i = 0; i < 18; ++i) {
+        const V2f middle((float(i % 3) + 0.5f) / 3, (float(i % 9 / 3) + 0.5f) / 3);
+        const double p = double(table.density(i / 9, middle)) / 9;
+        EXPECT_NEAR(p, double(maps[i / 9].texels.green[i % 9]) / all, 1e-6);
+        expected[i] = p * kDraws;
+        sum += p;
     }
     EXPECT_NEAR(sum, 1, 1e-6);
     EXPECT_GT(chi_square_test(counts, expected).p_value, 1e-3);
+}
+
+TEST(rsm_flux_table, cells_of_large_maps_are_chosen_by_flux_and_evenly_inside) {
+    // 579 texels make 193 cells of 3, and 577 make 192 and a third.
+    for (const int size : {577, 579}) {
+        std::vector<ReflectiveShadowMap> maps = two_maps();
+        maps.pop_back();
+        maps[0].size = size;
+        maps[0].texels = Texels(size_t(size) * size_t(size));
+        // Flux in a corner of each of two far cells; one is the last of its row.
+        maps[0].texels.red[size_t(7 * size + 100)] = 1;
+        maps[0].texels.red[size_t(100 * size + size - 1)] = 3;
+        const FluxTable table(maps);
+        int last = 0, columns[3] = {};
+        for (uint32_t i = 0; i < 20000; ++i) {
+            const RandomFloats u = CounterRandom(1, i).block(0);
+            const auto choice = table.sample(double(u[0]), u[1]);
+            const auto texel = maps[0].texel_at(choice.uv.x, choice.uv.y);
+            const int x = int(texel % size), y = int(texel / size);
+            ASSERT_GT(table.density(0, choice.uv), 0);
+            last += y > 50 ? 1 : 0;
+            ASSERT_EQ(y / 3, y > 50 ? 33 : 2);
+            ASSERT_EQ(x / 3, y > 50 ? (size - 1) / 3 : 33);
+            if (y < 50) ++columns[x % 3];
+        }
+        EXPECT_NEAR(last / 20000.0, 0.75, 0.01);
+        for (const int count : columns)
+            EXPECT_NEAR(count / 5000.0, 1.0 / 3, 0.03);
+        // Share over area: 3/4 in a cell that is one third as wide if the side does not divide.
+        const double width = (size == 577 ? 1.0 : 3.0) / size;
+        EXPECT_NEAR(double(table.density(0, {1, 100.5f / float(size)})) * width * 3 / size, 0.75,
+                    1e-4);
+    }
 }
 
 TEST(rsm_flux_table, the_ends_of_the_unit_interval_fall_on_lit_texels) {
@@ -53,7 +90,7 @@ TEST(rsm_flux_table, the_ends_of_the_unit_interval_fall_on_lit_texels) {
     for (const double row : {0.0, 0.25, 0.5, 1 - 0x1p-53})
         for (const float texel : {0.0f, 1.0f / 3, 2.0f / 3, 0x1.fffffep-1f}) {
             const auto choice = table.sample(row, texel);
-            EXPECT_GT(maps[choice.map].texels.green[choice.texel], 0);
+            EXPECT_GT(table.density(choice.map, choice.uv), 0);
         }
 }
 

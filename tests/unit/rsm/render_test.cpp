@@ -252,6 +252,12 @@ TEST(rsm_render, extremes_give_finite_images) {
              replace_light(b, Light::Kind::spot, {-1.5, 0, 0}, {-1, 0, 0});
          },
          true},
+        {"light inside a block",
+         [&](Builder& b) {
+             replace_light(b, Light::Kind::point, {0.5, -0.5, 0}, {1, 0, 0});
+             b.box({0.4, -0.6, -0.2}, {0.6, -0.4, 0.2}, 0);
+         },
+         true},
         {"light in the plane of a wall",
          [&](Builder& b) {
              replace_light(b, Light::Kind::point, {-1, 0, 0}, {1, 0, 0});
@@ -287,6 +293,19 @@ TEST(rsm_render, extremes_give_finite_images) {
                 const double indirect = mean_of(image, "indirect.");
                 EXPECT_TRUE(indirect == 0 || !c.is_dark) << indirect;
             }
+    }
+}
+
+TEST(rsm_render, measuring_the_rays_leaves_the_image_as_it_is) {
+    const Stage stage(spot_room(), 12, kFrom, kAt);
+    for (RsmConfig config : every_gather(8)) {
+        const Image plain = stage.render(config, 1);
+        config.measure = RayMeasure::on;
+        RsmCounts counts;
+        const Image measured = stage.render(config, 1, &counts);
+        EXPECT_EQ(*plain.find("indirect.G"), *measured.find("indirect.G"));
+        EXPECT_GT(counts.gather_ns, 0u);
+        EXPECT_GT(counts.bare_ns, 0u);
     }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace ql {
 namespace {
@@ -10,11 +11,17 @@ namespace {
 TEST(rsm_samples, the_pattern_has_one_point_in_each_ring) {
     const PassSamples samples = pattern_samples(100, 1, 2);
     ASSERT_EQ(samples.pattern.size(), 100u);
+    std::vector<int> rings;
     for (size_t i = 0; i < 100; ++i) {
-        EXPECT_EQ(int(samples.pattern[i].xi1 * 100), int(i));
-        EXPECT_GE(samples.pattern[i].xi2, 0);
-        EXPECT_LT(samples.pattern[i].xi2, 1);
+        rings.push_back(int(samples.pattern.xi1[i] * 100));
+        EXPECT_GE(samples.pattern.xi2[i], 0);
+        EXPECT_LT(samples.pattern.xi2[i], 1);
+        EXPECT_NEAR(std::hypot(samples.pattern.x[i], samples.pattern.y[i]), samples.pattern.xi1[i],
+                    1e-6);
     }
+    std::sort(rings.begin(), rings.end());
+    for (int i = 0; i < 100; ++i)
+        EXPECT_EQ(rings[size_t(i)], i);
 }
 
 TEST(rsm_samples, passes_and_seeds_have_sets_of_their_own) {
