@@ -187,6 +187,11 @@ void write_frame(const Options& o, cli::Session& session, int frame, FrameResult
         session.write_image(numbered_path(o.accumulate, frame), so_far, write);
 }
 
+bool wants_motion(const Options& o) {
+    return (o.sequence.render.aovs & kAovMotion) != 0 ||
+           o.sequence.permute.reproject != ReprojectMode::off;
+}
+
 void report(const Options& o, cli::Session& session, const RayCounts& rays) {
     session.stats().rays = {
         {"camera", rays.camera}, {"indirect", rays.indirect}, {"shadow", rays.shadow}};
@@ -210,6 +215,7 @@ void run(Options& o, cli::Session& session) {
     std::unique_ptr<PosedScene> posed;
     RunningMean mean;
     RayCounts rays;
+    int motion_transforms = 0; // of all nodes
     for (const int frame : o.scene.frames) {
         // Pose the scene; one that does not move keeps its acceleration structure.
         const double time = frame / o.scene.fps, next_time = (frame + 1) / o.scene.fps;
@@ -223,8 +229,11 @@ void run(Options& o, cli::Session& session) {
             pixel_camera(open.camera, open.scene, open.space, time, width, height);
         const PixelCamera next_camera =
             pixel_camera(open.camera, open.scene, open.space, next_time, width, height);
-        const NextFrame next{next_camera,
-                             moves ? world_from_nodes(open.scene, next_time) : std::vector<M44d>()};
+        NextFrame next{next_camera, {}};
+        if (moves && wants_motion(o)) {
+            next.world_from_node = world_from_nodes(open.scene, next_time);
+            ++motion_transforms;
+        }
 
         // Render with the frame's seeds, write, and permute the seeds for the frame that follows.
         read_frame_seeds(o, session, frame, sequence);
@@ -242,6 +251,7 @@ void run(Options& o, cli::Session& session) {
             sequence.prepare_next(session.workers());
         }
     }
+    session.stats().result["motion_transforms"] = motion_transforms;
     report(o, session, rays);
 }
 

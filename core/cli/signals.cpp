@@ -18,6 +18,7 @@ extern "C" void clean_up_and_die(int signal_number) {
 } // namespace
 
 void install_signal_handlers() {
+    std::signal(SIGXFSZ, SIG_IGN); // a file beyond `ulimit -f` is an error of write()
     for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before = {};
         sigaction(signal_number, nullptr, &before);

@@ -1,4 +1,5 @@
 // SIGINT, SIGTERM and SIGHUP remove temporary files and then end the process by that very signal.
+// SIGXFSZ is ignored: then writing fails, and the tool says so.
 #pragma once
 
 namespace ql::cli {

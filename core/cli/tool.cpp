@@ -18,8 +18,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <new>
 #include <regex>
+#include <system_error>
 
 namespace ql::cli {
 
@@ -139,6 +141,19 @@ ImageWriteConfig Session::image_config() const {
     return config;
 }
 
+void Session::warn_of_saturation(const std::string& path, std::span<const Image> parts) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    size_t count = 0;
+    for (const Image& part : parts)
+        for (const Plane<float>& plane : part.planes) {
+            const std::vector<float>& values = plane.pixels.values();
+            count += size_t(std::count(values.begin(), values.end(), kMost));
+        }
+    if (count > 0)
+        warn(fmt::format("{}: {} samples are {:g}, the greatest there is, and may stand for more",
+                         path, count, kMost));
+}
+
 void Session::write_image(const std::string& path, const Image& image,
                           const ImageWriteConfig& config) {
     write_image_parts(path, std::span(&image, 1), config);
@@ -147,6 +162,7 @@ void Session::write_image(const std::string& path, const Image& image,
 void Session::write_image_parts(const std::string& path, std::span<const Image> parts,
                                 const ImageWriteConfig& config) {
     const PhaseTimer timer = phase("write");
+    warn_of_saturation(path, parts);
     ql::write_image_parts(path, parts, config);
     m_stats.output.push_back(path);
 }
@@ -340,6 +356,8 @@ int Tool::main(int argc, char** argv, const std::function<void(Session&)>& body)
                         int(error.kind()));
     } catch (const std::bad_alloc&) {
         status = report("out of memory", kExitOutput);
+    } catch (const std::system_error& error) { // such as a thread that cannot be started
+        status = report(fmt::format("the system refuses: {}", error.code().message()), kExitOutput);
     } catch (const std::exception& error) {
         status = report(fmt::format("internal error: {}", error.what()), kExitInternal);
     }

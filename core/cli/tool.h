@@ -69,6 +69,7 @@ class Session {
 
   private:
     void say(const std::string& kind, const std::string& message);
+    void warn_of_saturation(const std::string& path, std::span<const Image> parts);
 
     std::string m_tool;
     Workers m_workers;

@@ -208,6 +208,17 @@ RTCGeometry instance_geometry(EmbreeScene::Impl& impl, const Surface& surface) {
     return instance;
 }
 
+// Whatever Embree cannot do on a machine that it runs on, it lacks memory or threads for.
+void throw_embree_error(RTCDevice device, const char* what) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (device && error == RTC_ERROR_NONE) return;
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (error == RTC_ERROR_UNSUPPORTED_CPU || error == RTC_ERROR_INVALID_ARGUMENT ||
+        error == RTC_ERROR_INVALID_OPERATION)
+        throw Error(ErrorKind::internal, fmt::format("Embree {} (error {})", what, int(error)));
+    throw output_error("Embree {}: no memory or threads to be had", what);
+}
+
 RTCIntersectContext plain_context() {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -253,7 +264,7 @@ EmbreeScene::EmbreeScene(const World& world, const AlphaTest* alpha_test, const 
     impl.alpha_test = alpha_test;
     const std::string settings = fmt::format("threads={}", workers.count());
     impl.device = rtcNewDevice(settings.c_str());
-    if (!impl.device) throw Error(ErrorKind::internal, "Embree gives no device");
+    if (!impl.device) throw_embree_error(nullptr, "cannot start");
     impl.scene = new_scene(impl.device);
     impl.shared_scenes.resize(world.scene->meshes.size(), nullptr);
     workers.run([&] {
@@ -273,8 +284,7 @@ EmbreeScene::EmbreeScene(const World& world, const AlphaTest* alpha_test, const 
         }
         rtcCommitScene(impl.scene);
     });
-    if (rtcGetDeviceError(impl.device) != RTC_ERROR_NONE)
-        throw Error(ErrorKind::internal, "Embree could not build the scene");
+    throw_embree_error(impl.device, "cannot build the scene");
 }
 
 EmbreeScene::~EmbreeScene() = default;

@@ -1,5 +1,6 @@
 #include "geometry/world.h"
 
+#include "base/error.h"
 #include "geometry/quadric.h"
 #include "geometry/surface_point.h"
 
@@ -174,6 +175,17 @@ Surface shape_surface(const Scene& scene, int node, int shape_index,
     return surface;
 }
 
+// What moves away must stay where squares of areas are floats.
+void check_reach(const World& world, double time_seconds) {
+    if (world.bounds.isEmpty()) return;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double reach : {world.bounds.min[axis], world.bounds.max[axis]})
+            if (!(std::abs(reach) <= kMaxReach))
+                throw input_error("at {} s the scene reaches {:g} times its extent at 0 s, "
+                                  "expected at most {:g}",
+                                  time_seconds, std::abs(reach), kMaxReach);
+}
+
 bool is_singular(const Affine& transform) {
     const double d = transform.linear.determinant();
     return !std::isfinite(d) || d == 0;
@@ -234,8 +246,12 @@ RenderSpace render_space_of(const Scene& scene, const Workers& workers) {
     if (bounds.isEmpty()) return space;
     const V3d size = bounds.size();
     const double extent = std::max({size.x, size.y, size.z});
+    if (extent == 0) return space;
+    if (!(extent >= kMinExtent && extent <= kMaxExtent))
+        throw input_error("the scene extends over {:g} m, expected {:g} to {:g} m", extent,
+                          kMinExtent, kMaxExtent);
     space.centre = bounds.center();
-    if (extent > 0 && std::isfinite(extent)) space.scale = 1 / extent;
+    space.scale = 1 / extent;
     return space;
 }
 
@@ -296,6 +312,7 @@ World pose_world(const Scene& scene, const RenderSpace& space, double time_secon
                 for (const uint32_t vertex : triangle)
                     world.bounds.extendBy(V3d(surface.body->positions[vertex]));
     }
+    check_reach(world, time_seconds);
     return world;
 }
 

@@ -74,9 +74,14 @@ struct World {
     Imath::Box3d bounds; // in render space
 };
 
-// Bounds of the scene at time 0 decide. A scene without extent gets scale 1.
+// What extents a scene may have, in metres, and how far from it things may move, in extents.
+inline constexpr double kMinExtent = 1e-15, kMaxExtent = 1e15, kMaxReach = 1e8;
+
+// Bounds of the scene at time 0 decide. A scene without extent stays as it is. Errors:
+// ErrorKind::input for an extent out of range.
 RenderSpace render_space_of(const Scene& scene, const Workers& workers);
 
+// Errors: ErrorKind::input for a scene that reaches too far.
 World pose_world(const Scene& scene, const RenderSpace& space, double time_seconds,
                  const Workers& workers);
 

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "image/atomic_file.h"
+#include "image/exr_check.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
@@ -18,6 +19,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <system_error>
 
 namespace ql {
 
@@ -247,10 +249,16 @@ void write_deep_image(const std::string& path, const DeepHeader& header,
 void read_deep_image(const std::string& path, DeepReader& reader, const DeepReadConfig& config) {
     const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
     const std::string name = shown_name(path, "standard input");
+    constexpr char kMagic[] = {0x76, 0x2f, 0x31, 0x01};
+    if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
+        throw input_error("{}: no OpenEXR file, expected a deep image", name);
+    check_exr(bytes, name, {config.max_bytes, config.max_bytes});
     try {
         decode(bytes, reader);
     } catch (const Error& e) {
         throw Error(e.kind(), name + ": " + e.what());
+    } catch (const std::system_error&) { // no thread to be had: not the file's fault
+        throw;
     } catch (const std::bad_alloc&) {
         throw input_error("{}: damaged: it asks for more memory than there is", name);
     } catch (const std::exception& e) {

@@ -2,14 +2,16 @@
 
 #include "base/error.h"
 #include "image/atomic_file.h"
+#include "image/exr_check.h"
+#include "image/memory_reader.h"
 #include "image/png_check.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
 #include <cstring>
 #include <set>
+#include <system_error>
 
 namespace ql {
 
@@ -156,11 +158,11 @@ void require_finite(const Image& image, const std::string& path) {
                         shown_name(path), plane.name, plane.pixels(x, y), x, y);
 }
 
-std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
-    const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
-    const FileFormat format = format_of(bytes, path);
-    if (format == FileFormat::png) check_png(bytes, shown_name(path));
-    OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
+namespace {
+
+std::vector<Image> decoded_parts(std::span<const std::byte> bytes, FileFormat format,
+                                 const std::string& path, const ImageReadConfig& config) {
+    MemoryReader memory(bytes);
     auto input = OIIO::ImageInput::create(library_name(format));
     OIIO::ImageSpec request;
     void* proxy = &memory;
@@ -179,6 +181,27 @@ std::vector<Image> read_image_parts(const std::string& path, const ImageReadConf
     (void)input->geterror(); // seeking past the last part leaves a message behind
     input->close();
     return parts;
+}
+
+} // namespace
+
+std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
+    const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
+    const FileFormat format = format_of(bytes, path);
+    if (format == FileFormat::png) check_png(bytes, shown_name(path));
+    if (format == FileFormat::exr)
+        check_exr(bytes, shown_name(path), {config.max_pixels, config.max_bytes});
+    try {
+        return decoded_parts(bytes, format, path, config);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::system_error&) { // no thread to be had: not the file's fault
+        throw;
+    } catch (const std::exception& problem) { // what the library did not expect either
+        throw input_error("{}: {}", shown_name(path), first_line(problem.what()));
+    }
 }
 
 Image read_image(const std::string& path, const ImageReadConfig& config) {

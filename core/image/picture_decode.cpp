@@ -1,13 +1,14 @@
 #include "image/picture_decode.h"
 
 #include "base/error.h"
+#include "image/memory_reader.h"
 #include "image/png_check.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <string_view>
+#include <system_error>
 
 namespace ql {
 
@@ -24,11 +25,11 @@ constexpr Magic kMagics[] = {
     {"\x89PNG\r\n\x1a\n", 0, "png", "PNG"},
     {"\xff\xd8\xff", 0, "jpeg", "JPEG"},
     {"WEBP", 8, "webp", "WebP"},
-    {"BM", 0, "bmp", "BMP"},
-    {"GIF8", 0, "gif", "GIF"},
-    {"II*\0", 0, "tiff", "TIFF"},
-    {"MM\0*", 0, "tiff", "TIFF"},
-    {"DDS ", 0, "dds", "DDS"},
+    {"BM", 0, nullptr, "BMP"},
+    {"GIF8", 0, nullptr, "GIF"},
+    {{"II*\0", 4}, 0, nullptr, "TIFF"},
+    {{"MM\0*", 4}, 0, nullptr, "TIFF"},
+    {"DDS ", 0, nullptr, "DDS"},
     {"\xabKTX 20", 0, nullptr, "KTX2"},
     {"\xabKTX 11", 0, nullptr, "KTX"},
 };
@@ -90,23 +91,10 @@ std::vector<uint8_t> spread_to_rgba(const std::vector<uint8_t>& samples, size_t 
     return rgba;
 }
 
-} // namespace
-
-Picture decode_picture(std::span<const std::byte> bytes, const std::string& name,
-                       const PictureDecodeConfig& config) {
-    const Magic& magic = recognised(bytes, name);
-
-    // libpng prints what it thinks of profiles and the like, which matter to no texture.
-    std::vector<std::byte> bare;
-    if (std::string_view(magic.name) == "PNG") {
-        bare = bare_png(bytes, name);
-        bytes = bare;
-    }
-
-    if (std::string_view(magic.name) == "JPEG") check_jpeg_end(bytes, name);
-
+Picture decoded(std::span<const std::byte> bytes, const Magic& magic, const std::string& name,
+                const PictureDecodeConfig& config) {
     // Open the bytes as if they were a file.
-    OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
+    MemoryReader memory(bytes);
     void* proxy = &memory;
     OIIO::ImageSpec request;
     request.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
@@ -128,6 +116,34 @@ Picture decode_picture(std::span<const std::byte> bytes, const std::string& name
     input->close();
     return {spec.width, spec.height,
             channels == 4 ? std::move(samples) : spread_to_rgba(samples, pixels, channels)};
+}
+
+} // namespace
+
+Picture decode_picture(std::span<const std::byte> bytes, const std::string& name,
+                       const PictureDecodeConfig& config) {
+    const Magic& magic = recognised(bytes, name);
+
+    // libpng prints what it thinks of profiles and the like, which matter to no texture.
+    std::vector<std::byte> bare;
+    if (std::string_view(magic.name) == "PNG") {
+        bare = bare_png(bytes, name);
+        bytes = bare;
+    }
+
+    if (std::string_view(magic.name) == "JPEG") check_jpeg_end(bytes, name);
+
+    try {
+        return decoded(bytes, magic, name, config);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::system_error&) { // no thread to be had: not the picture's fault
+        throw;
+    } catch (const std::exception& problem) { // what the library did not expect either
+        throw input_error("{}: {}", name, reason(problem.what()));
+    }
 }
 
 } // namespace ql

@@ -1,4 +1,4 @@
-// Pictures for texturing: encoded bytes (PNG, JPEG, WebP, BMP, GIF, TIFF, DDS) to 8-bit RGBA.
+// Pictures for texturing: encoded bytes (PNG, JPEG, WebP: what glTF may hold) to 8-bit RGBA.
 //
 // Samples keep the encoding of the file (no change of transfer function), alpha is not
 // premultiplied, row 0 is the top. Thread-safe: several pictures may be decoded at once.

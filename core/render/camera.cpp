@@ -11,6 +11,7 @@ constexpr double kSceneRadius = 0.8660254037844387; // sqrt(3) / 2
 // Animated things may leave that box; rays start this much earlier.
 constexpr double kClearance = 1.0;
 constexpr double kFar = 4.0; // nearer cameras need no shift
+constexpr double kFarthest = 1e12;
 
 } // namespace
 
@@ -42,6 +43,8 @@ Ray PixelCamera::ray(double x, double y) const {
     if (start.length2() > kFar * kFar) {
         const double to_closest = -start.dot(direction);
         start += direction * std::max(0.0, to_closest - kSceneRadius - kClearance);
+        // A ray that passes at such a distance meets nothing; it need not leave float's range.
+        if (start.length2() > kFarthest * kFarthest) start *= kFarthest / start.length();
     }
     return {V3f(start), 0, V3f(direction), kInfinity};
 }

@@ -2,6 +2,8 @@
 
 #include "base/error.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace ql {
@@ -38,6 +40,11 @@ uint32_t parse_aovs(const std::string& names) {
     return aovs;
 }
 
+float saturated(double value) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return float(std::clamp(value, -kMost, kMost));
+}
+
 VectorPlanes::VectorPlanes(Image& image, const std::string& prefix, const std::string& suffixes) {
     for (size_t i = 0; i < 3; ++i)
         m_planes[i] = &image.plane(prefix + suffixes[i]);
@@ -45,7 +52,7 @@ VectorPlanes::VectorPlanes(Image& image, const std::string& prefix, const std::s
 
 void VectorPlanes::set(int x, int y, const Imath::V3d& value) const {
     for (int i = 0; i < 3; ++i)
-        (*m_planes[i])(x, y) = float(value[i]);
+        (*m_planes[i])(x, y) = saturated(value[i]);
 }
 
 Film::Film(int width, int height, uint32_t aovs) : image(width, height) {

@@ -32,6 +32,10 @@ uint32_t parse_aovs(const std::string& names);
 inline constexpr uint32_t kFirstHitAovs =
     kAovDepth | kAovNormal | kAovPosition | kAovAlbedo | kAovMotion | kAovId;
 
+// As float; what is beyond its range becomes the greatest float, not infinity: light may be
+// brighter.
+float saturated(double value);
+
 // Three planes of an image under one prefix. Take hold of them after all planes have been added.
 class VectorPlanes {
   public:

@@ -48,9 +48,9 @@ void write_pixel(const FrameJob& job, int x, int y, const PixelSums& sums) {
     if (film.normal) film.normal.set(x, y, sums.normal / hits);
     if (film.position) film.position.set(x, y, sums.position / hits);
     if (film.albedo) film.albedo.set(x, y, sums.albedo / hits);
-    if (film.depth) (*film.depth)(x, y) = float(sums.depth / hits);
-    if (film.motion_x) (*film.motion_x)(x, y) = float(sums.motion_x / hits);
-    if (film.motion_y) (*film.motion_y)(x, y) = float(sums.motion_y / hits);
+    if (film.depth) (*film.depth)(x, y) = saturated(sums.depth / hits);
+    if (film.motion_x) (*film.motion_x)(x, y) = saturated(sums.motion_x / hits);
+    if (film.motion_y) (*film.motion_y)(x, y) = saturated(sums.motion_y / hits);
     if (film.id) (*film.id)(x, y) = sums.id;
 }
 

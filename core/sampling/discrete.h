@@ -29,7 +29,8 @@ class AliasTable {
     bool empty() const { return m_slots.empty(); }
     size_t size() const { return m_slots.size(); }
     double sum() const { return m_sum; } // of the weights
-    float probability(size_t index) const { return m_slots[index].probability; }
+    // Nothing is ever drawn from an empty table.
+    float probability(size_t index) const { return empty() ? 0 : m_slots[index].probability; }
 
     // u in [0, 1); the table must not be empty. A float has bits for some 1e4 items; for more, use
     // unit_double.

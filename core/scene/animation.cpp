@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -103,6 +105,18 @@ M44d parent_from_node(const Node& node) {
     return scale * rotation.toMatrix44() * translation;
 }
 
+// Beyond this the products that normals are made of leave the range of double.
+constexpr double kMaxEntry = 1e100;
+
+void check_pose(const M44d& pose, const Node& node, size_t index) {
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 3; ++column)
+            if (!(std::abs(pose[row][column]) <= kMaxEntry))
+                throw input_error("node {} '{}': {} in its transform to the world, expected at "
+                                  "most {}",
+                                  index, node.name, pose[row][column], kMaxEntry);
+}
+
 } // namespace
 
 std::vector<M44d> world_from_nodes(const Scene& scene, double time_seconds) {
@@ -119,6 +133,7 @@ std::vector<M44d> world_from_nodes(const Scene& scene, double time_seconds) {
         const Node& node = (*nodes)[i];
         world[i] = parent_from_node(node);
         if (node.parent >= 0) world[i] = world[i] * world[size_t(node.parent)];
+        check_pose(world[i], node, i);
     }
     return world;
 }

@@ -12,6 +12,8 @@ namespace ql {
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::max();
+// Candela or lux. More leaves the range of float in the smallest scenes.
+constexpr double kMaxIntensity = 1e40;
 
 Light::Kind kind_of(const GltfImport& in, const tinygltf::Light& source, const std::string& name) {
     if (source.type == "point") return Light::Kind::point;
@@ -45,7 +47,9 @@ Light light_from(GltfImport& in, int index, const std::string& where) {
     const double intensity = clamped(in, source.intensity, {0, kNoLimit}, name + " intensity");
     for (int c = 0; c < 3; ++c) {
         const double color = source.color.empty() ? 1 : source.color[size_t(c)];
-        light.intensity[c] = intensity * clamped(in, color, {0, kNoLimit}, name + " color");
+        const double product = intensity * clamped(in, color, {0, kNoLimit}, name + " color");
+        light.intensity[c] =
+            clamped(in, product, {0, kMaxIntensity}, name + " intensity times color");
     }
     if (source.range > 0) in.warn("{}: its range is ignored", name);
     if (light.kind == Light::Kind::spot) read_cone(in, source, name, light);

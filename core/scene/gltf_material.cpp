@@ -14,6 +14,7 @@ namespace ql {
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<float>::max();
+constexpr double kMaxRadiance = 1e38; // nits
 
 V3f color_factor(GltfImport& in, const std::vector<double>& values, const std::string& what,
                  Range range) {
@@ -62,7 +63,9 @@ void read_emission(GltfImport& in, const tinygltf::Material& source, const std::
     const V3f factor = color_factor(in, source.emissiveFactor, what, {0, kNoLimit});
     if (std::max({factor.x, factor.y, factor.z}) > 1)
         in.warn("{} is above 1; taken as it is", what);
-    material.emission = factor * float(strength);
+    for (int c = 0; c < 3; ++c)
+        material.emission[c] = float(
+            clamped(in, double(factor[c]) * strength, {0, kMaxRadiance}, where + " emission"));
     if (material.emission != V3f(0))
         material.emission_texture =
             texture_use(in, source.emissiveTexture, Transfer::srgb, where + " emissiveTexture");

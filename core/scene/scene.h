@@ -188,7 +188,7 @@ struct Scene {
 };
 
 // world_from_node of every node at a time in seconds. Before its first and after its last key a
-// channel keeps the value of that key.
+// channel keeps the value of that key. Errors: ErrorKind::input for numbers beyond 1e100.
 std::vector<M44d> world_from_nodes(const Scene& scene, double time_seconds);
 
 } // namespace ql

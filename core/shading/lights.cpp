@@ -1,5 +1,6 @@
 #include "shading/lights.h"
 
+#include "base/error.h"
 #include "sampling/warp.h"
 #include "shading/surface_input.h"
 
@@ -11,6 +12,8 @@ namespace ql {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
+// Squares of distances must be floats.
+constexpr double kMaxLightDistance = 1e15;
 // A light inside the last 2^-20 of the way may lie on a surface: do not let that surface hide it.
 constexpr float kShadowEnd = 1 - 0x1p-20f;
 // Textured emission is averaged over this many points per side when a triangle's power is needed.
@@ -93,7 +96,12 @@ void LightSet::add_punctual(const World& world) {
         const Affine world_from_node = affine_from(world.world_from_node[i]);
         Punctual punctual;
         punctual.kind = light.kind;
-        punctual.position = V3f(world.space.from_world(world_from_node.translation));
+        const V3d position = world.space.from_world(world_from_node.translation);
+        if (!(position.length() <= kMaxLightDistance))
+            throw input_error("light '{}' is {:g} times as far away as the scene is wide, expected "
+                              "at most {:g}",
+                              light.name, position.length(), kMaxLightDistance);
+        punctual.position = V3f(position);
         punctual.axis = V3f(world_from_node.vector({0, 0, -1}).normalized());
         punctual.intensity =
             V3f(light_intensity(light, world.space) * std::ldexp(1.0, -m_exponent));

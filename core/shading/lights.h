@@ -23,6 +23,7 @@ struct LightSample {
 
 class LightSet {
   public:
+    // Errors: ErrorKind::input for a light too far away.
     explicit LightSet(const World& world);
 
     bool empty() const { return m_pick.empty(); }

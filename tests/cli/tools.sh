@@ -6,6 +6,7 @@
 #   output EXT           the ending that @OUT@ takes
 #   no_output            when it writes only to standard output
 #   slow ARGS...         a run of several seconds that writes @OUT@ (tools that read no image)
+#   big ARGS...          a run that needs more than 1 GB (tools whose options can ask for that)
 
 make_inputs() {
     cp "$SRC/examples/scenes/cornell_point.gltf" good.gltf
@@ -28,6 +29,7 @@ tool_bn_render() {
     command --size 16x16 -o @OUT@ good.gltf
     output exr
     slow --size 512x512 --spp 4096 -o @OUT@ good.gltf
+    big --size 12000x12000 -o @OUT@ good.gltf
 }
 
 tool_bn_mask() {
@@ -51,12 +53,14 @@ tool_rsm_render() {
     command "$scene" --size 16x16 --rsm-size 32 --samples 4 -o @OUT@
     output exr
     slow "$scene" --size 512x512 --rsm-size 64 --samples 4096 -o @OUT@
+    big "$scene" --size 16x16 --rsm-size 8192 --max-memory 100 -o @OUT@
 }
 
 tool_ls_inject() {
     command --photons 500 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
     output exr
     slow --photons 1e9 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    big --photons 10 --voxels 600x600x600 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
 }
 
 tool_ls_merge() {
@@ -67,22 +71,24 @@ tool_ls_merge() {
 tool_ls_sample() {
     command --cache good.cache.exr --size 8x8 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
     output exr
+    big --cache good.cache.exr --size 12000x12000 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
 }
 
-# load TOOL: sets ARGS (an array), EXT, SLOW, INPUT (the word in ARGS that is read, or nothing).
+# load TOOL: sets ARGS (an array), EXT, SLOW, BIG, INPUT (the word in ARGS that is read, or nothing).
 load() {
-    ARGS=() SLOW=() EXT='' INPUT=''
+    ARGS=() SLOW=() BIG=() EXT='' INPUT=''
     command() { ARGS=("$@"); }
     output() { EXT=$1; }
     no_output() { EXT=''; }
     slow() { SLOW=("$@"); }
+    big() { BIG=("$@"); }
     local name=tool_${1//-/_}
     if ! declare -F "$name" >/dev/null; then
         echo "$1: tests/cli/tools.sh has no line for this tool"
         return 1
     fi
     "$name"
-    unset -f command
+    unset -f command big
     local word
     for word in "${ARGS[@]}"; do
         case $word in good.*) INPUT=$word; break ;; esac

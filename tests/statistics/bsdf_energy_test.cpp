@@ -9,7 +9,7 @@
 namespace ql {
 namespace {
 
-constexpr std::array<double, 6> kAngles = {0, 30, 60, 80, 89, 89.9};
+constexpr std::array<double, 7> kAngles = {0, 30, 60, 80, 89, 89.9, 89.999};
 
 // Directional albedo in flux: what a white surrounding of radiance 1 shows, with the number of
 // lobe samples that a low-discrepancy sequence makes exact to 1e-3 (Roberts' R3 sequence).

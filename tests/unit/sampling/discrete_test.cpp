@@ -43,6 +43,7 @@ TEST(AliasTable, IsEmptyWhereNothingCanBeDrawn) {
     EXPECT_TRUE(AliasTable(std::vector<double>{}).empty());
     EXPECT_TRUE(AliasTable(std::vector<double>{0, 0, 0}).empty());
     EXPECT_TRUE(AliasTable(std::vector<double>{-1, std::nan("")}).empty());
+    EXPECT_EQ(AliasTable(std::vector<double>{0, 0}).probability(1), 0);
 }
 
 TEST(AliasTable, NeverDrawsWeightsThatAreNotPositiveAndFinite) {
