@@ -208,12 +208,12 @@ V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Mate
     const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
                                                 surface_input(point, -path.ray.direction));
     if (detail::is_black(radiance)) return radiance;
-    float weight = m_context.lights.stored_from_real();
+    float weight = 1;
     if (path.emission == Emission::by_mis)
-        weight *= detail::mis_weight(
-            path.pdf_solid_angle,
-            m_context.lights.pdf_solid_angle(point, path.ray.direction, distance));
-    return radiance * weight;
+        weight = detail::mis_weight(path.pdf_solid_angle, m_context.lights.pdf_solid_angle(
+                                                              point, path.ray.direction, distance));
+    // The power of two first: with a small weight it would leave the range of float.
+    return radiance * m_context.lights.stored_from_real() * weight;
 }
 
 template<uint32_t Lobes, uint32_t Attributes>

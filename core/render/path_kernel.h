@@ -147,15 +147,16 @@ V3f PathKernel<Lobes, Attributes, Observer>::emitted(const SurfacePoint& point,
     const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
                                                 surface_input(point, -ray.direction));
     if (detail::is_black(radiance)) return radiance;
-    float weight = m_context.lights.stored_from_real();
+    float weight = 1;
     if (bsdf_pdf > 0 && m_context.config.light_sampling != LightSampling::bsdf) {
         const float light_pdf = m_context.lights.pdf_solid_angle(point, ray.direction, distance);
         if (m_context.config.light_sampling == LightSampling::mis)
-            weight *= detail::mis_weight(bsdf_pdf, light_pdf);
+            weight = detail::mis_weight(bsdf_pdf, light_pdf);
         else if (light_pdf > 0)
             weight = 0;
     }
-    return radiance * weight;
+    // The power of two first: with a small weight it would leave the range of float.
+    return radiance * m_context.lights.stored_from_real() * weight;
 }
 
 template<uint32_t Lobes, uint32_t Attributes, class Observer>

@@ -89,7 +89,7 @@ TEST(invariance, the_place_of_the_scene_changes_rounding_alone) {
 
 TEST(invariance, light_scales_exactly_by_powers_of_two) {
     const FrameResult one = render_scaled(1);
-    for (const int exponent : {-99, -3, 1, 99}) {
+    for (const int exponent : {-99, -3, 1, 99, 112}) {
         const FrameResult other = render_scaled(1, std::ldexp(1.0, exponent));
         for (const Plane<float>& plane : one.image.planes)
             for (size_t i = 0; i < plane.pixels.size(); ++i)

@@ -91,6 +91,17 @@ TEST(PictureDecode, BadPicturesAreNamedInOneLine) {
     EXPECT_EQ(error_of(png(2, 0, {7, 9}), {1}), "picture: 2 x 1 pixels, more than the limit of 1");
 }
 
+TEST(PictureDecode, FormatsThatGltfDoesNotHaveAreNamedAndNotRead) {
+    const std::pair<const char*, Bytes> formats[] = {{"GIF", {'G', 'I', 'F', '8', '9', 'a'}},
+                                                     {"BMP", {'B', 'M', 0, 0}},
+                                                     {"TIFF", {'I', 'I', '*', 0}},
+                                                     {"TIFF", {'M', 'M', 0, '*'}},
+                                                     {"DDS", {'D', 'D', 'S', ' '}}};
+    for (const auto& [name, bytes] : formats)
+        EXPECT_EQ(error_of(bytes), std::string("picture: ") + name +
+                                       " images are not supported, expected PNG or JPEG");
+}
+
 TEST(PictureDecode, TruncatedPicturesAreErrors) {
     const Bytes whole = png(8, 6, Bytes(32, 100));
     for (size_t size = 1; size < whole.size(); ++size) {

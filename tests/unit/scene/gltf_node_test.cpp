@@ -70,6 +70,20 @@ TEST(GltfNode, CamerasAreRead) {
     EXPECT_EQ(error_of(b), "camera 0: yfov 4, expected an angle between 0 and pi");
 }
 
+TEST(GltfNode, LightBeyondTheRangeIsBroughtDownToIt) {
+    GltfBuilder b;
+    b.doc["extensions"]["KHR_lights_punctual"]["lights"] =
+        json::parse(R"([{"type": "point", "intensity": 1e300, "color": [1, 1e300, 1e-270]}])");
+    b.doc["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    b.doc["scenes"][0]["nodes"].push_back(1);
+    b.material()["emissiveFactor"] = {1, 1, 0};
+    b.material()["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", 3e38}};
+    const LoadedScene loaded = load(b);
+    EXPECT_EQ(loaded.scene.lights.at(0).intensity, V3d(1e40, 1e40, 1e300 * 1e-270));
+    EXPECT_EQ(loaded.scene.materials.at(0).emission, V3f(1e38f, 1e38f, 0));
+    EXPECT_EQ(loaded.warnings.size(), 3u);
+}
+
 TEST(GltfNode, LightsAreRead) {
     GltfBuilder b;
     b.doc["extensions"]["KHR_lights_punctual"]["lights"] = json::parse(R"([
