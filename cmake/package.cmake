@@ -23,5 +23,5 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, openimageio-tools")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
-    "${PROJECT_DESCRIPTION}\n Blue-noise error distribution, reflective shadow maps and Linespace light injection,\n with glTF scenes in and OpenEXR images out.")
+    "Blue-noise error distribution, reflective shadow maps and Linespace light\ninjection, with glTF scenes in and OpenEXR images out.")
 include(CPack)
