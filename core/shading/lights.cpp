@@ -4,6 +4,8 @@
 #include "sampling/warp.h"
 #include "shading/surface_input.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +18,8 @@ constexpr double kPiD = std::numbers::pi;
 constexpr double kMaxLightDistance = 1e15;
 // A light inside the last 2^-20 of the way may lie on a surface: do not let that surface hide it.
 constexpr float kShadowEnd = 1 - 0x1p-20f;
+// As many point, spot and directional lights are compared at every point; more are chosen by power.
+constexpr size_t kMostCompared = 32;
 // Textured emission is averaged over this many points per side when a triangle's power is needed.
 constexpr int kPowerSamples = 4;
 
@@ -64,6 +68,21 @@ float spot_falloff(float cos_angle, float cos_inner, float cos_outer, float expo
     return inside * inside;
 }
 
+// The share of the axial intensity that goes to a point from which the light lies in `direction`.
+float LightSet::Punctual::falloff(const V3f& direction) const {
+    if (kind != Light::Kind::spot) return 1;
+    return spot_falloff(-direction.dot(axis), cos_inner, cos_outer, exponent);
+}
+
+// On a surface that faces the light, with nothing in between; mean over R, G, B.
+float LightSet::Punctual::irradiance_at(const V3f& point) const {
+    if (kind == Light::Kind::directional) return mean_intensity;
+    const V3f way = position - point;
+    const float distance2 = way.dot(way);
+    if (!(distance2 > 0)) return 0;
+    return mean_intensity * falloff(way / std::sqrt(distance2)) / distance2;
+}
+
 LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_exponent(world)) {
     m_stored_from_real = float(std::ldexp(1.0, -m_exponent));
     add_punctual(world);
@@ -86,6 +105,8 @@ LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_
                          (triangle.double_sided ? 2 : 1));
     }
     m_pick = AliasTable(powers);
+    for (size_t i = 0; i < m_punctual.size(); ++i)
+        m_punctual_probability += m_pick.probability(i);
 }
 
 void LightSet::add_punctual(const World& world) {
@@ -105,6 +126,7 @@ void LightSet::add_punctual(const World& world) {
         punctual.axis = V3f(world_from_node.vector({0, 0, -1}).normalized());
         punctual.intensity =
             V3f(light_intensity(light, world.space) * std::ldexp(1.0, -m_exponent));
+        punctual.mean_intensity = float(mean(punctual.intensity));
         punctual.cos_outer = float(std::cos(light.outer_angle));
         punctual.cos_inner = float(std::cos(light.inner_angle));
         punctual.exponent = light.exponent ? float(*light.exponent) : -1.0f;
@@ -183,10 +205,34 @@ V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) co
 
 std::optional<LightSample> LightSet::sample(const V3f& from, double u_pick, V2f u) const {
     const auto pick = m_pick.sample(u_pick);
-    const float probability = pick.probability;
-    if (pick.index < m_punctual.size())
-        return sample_punctual(m_punctual[pick.index], from, probability);
-    return sample_triangle(m_triangles[pick.index - m_punctual.size()], from, u, probability);
+    if (pick.index >= m_punctual.size())
+        return sample_triangle(m_triangles[pick.index - m_punctual.size()], from, u,
+                               pick.probability);
+    if (m_punctual.size() > 1 && m_punctual.size() <= kMostCompared)
+        return sample_brightest(from, pick.u);
+    return sample_punctual(m_punctual[pick.index], from, pick.probability);
+}
+
+// Chooses in proportion to the irradiance of a surface that faces the light.
+std::optional<LightSample> LightSet::sample_brightest(const V3f& from, float u) const {
+    constexpr float kLargest = 1e30f; // very near lights: sums stay finite
+    std::array<float, kMostCompared> irradiance;
+    float total = 0;
+    for (size_t i = 0; i < m_punctual.size(); ++i) {
+        irradiance[i] = std::min(m_punctual[i].irradiance_at(from), kLargest);
+        total += irradiance[i];
+    }
+    if (!(total > 0)) return std::nullopt;
+    float left = u * total;
+    size_t pick = m_punctual.size();
+    for (size_t i = 0; i < m_punctual.size(); ++i) {
+        if (!(irradiance[i] > 0)) continue;
+        pick = i;
+        if (left < irradiance[i]) break;
+        left -= irradiance[i];
+    }
+    return sample_punctual(m_punctual[pick], from,
+                           m_punctual_probability * (irradiance[pick] / total));
 }
 
 std::optional<LightSample> LightSet::sample_punctual(const Punctual& light, const V3f& from,
@@ -203,12 +249,8 @@ std::optional<LightSample> LightSet::sample_punctual(const Punctual& light, cons
     const float distance2 = way.dot(way);
     if (!(distance2 > 0)) return std::nullopt;
     sample.direction = way / std::sqrt(distance2);
-    float falloff = 1;
-    if (light.kind == Light::Kind::spot) {
-        falloff = spot_falloff(-sample.direction.dot(light.axis), light.cos_inner, light.cos_outer,
-                               light.exponent);
-        if (falloff <= 0) return std::nullopt;
-    }
+    const float falloff = light.falloff(sample.direction);
+    if (falloff <= 0) return std::nullopt;
     sample.distant = false;
     sample.target = from + way * kShadowEnd;
     sample.weight = light.intensity * (falloff / (distance2 * probability));

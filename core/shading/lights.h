@@ -1,5 +1,9 @@
 // The lights of a posed world, in render space, and sampling them by power.
 //
+// Emissive triangles are chosen by power. So is whether it is a point, spot or directional light at
+// all; which of them, if they are few, by the irradiance that each sends to the point unhindered:
+// the least variance that can be had without asking what lies between.
+//
 // Units: radiance in W/(m^2 sr); intensities in render space are W/sr times RenderSpace::scale^2,
 // so that I'/d'^2 is the irradiance whatever the unit of length. All values are divided by 2^k
 // (`exponent`) so that the brightest light is near 1: scenes of 1e-30 or 1e30 candela lose nothing.
@@ -33,7 +37,7 @@ class LightSet {
     size_t punctual_count() const { return m_punctual.size(); }
     size_t triangle_count() const { return m_triangles.size(); }
 
-    // A light chosen by power and a point on it; none if the point cannot be lit by that choice.
+    // A light and a point on it; none if the point cannot be lit by that choice.
     // u_pick and u in [0, 1).
     std::optional<LightSample> sample(const V3f& from, double u_pick, V2f u) const;
 
@@ -49,8 +53,12 @@ class LightSet {
         V3f position;
         V3f axis; // unit, the way the light shines
         V3f intensity;
+        float mean_intensity;
         float cos_outer, cos_inner;
         float exponent; // negative: glTF's smooth cone
+
+        float falloff(const V3f& direction) const;
+        float irradiance_at(const V3f& point) const;
     };
     struct Triangle {
         V3f corner, edge1, edge2;
@@ -66,6 +74,7 @@ class LightSet {
     void add_triangles(const World& world);
     double punctual_power(const Punctual& light) const;
     V3f triangle_radiance(const Triangle& triangle, float b1, float b2) const;
+    std::optional<LightSample> sample_brightest(const V3f& from, float u) const;
     std::optional<LightSample> sample_punctual(const Punctual& light, const V3f& from,
                                                float probability) const;
     std::optional<LightSample> sample_triangle(const Triangle& triangle, const V3f& from, V2f u,
@@ -76,6 +85,7 @@ class LightSet {
     std::vector<Triangle> m_triangles;
     std::vector<int> m_first_triangle; // by surface; -1: the surface does not emit
     AliasTable m_pick;                 // punctual lights first, then triangles
+    float m_punctual_probability = 0;  // of all of them
     int m_exponent = 0;
     float m_stored_from_real = 1;
 };

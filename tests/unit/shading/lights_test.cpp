@@ -88,23 +88,85 @@ TEST(lights, samples_fill_the_solid_angle_of_the_emitters) {
     EXPECT_NEAR(by_lights / expected, 1, 0.02);
 }
 
-// Each light is picked in proportion to its power.
-TEST(lights, are_chosen_by_power) {
+// How often lights are picked, by x of the target.
+std::map<float, uint64_t> picks_of(const LightSet& lights, uint32_t samples) {
+    std::map<float, uint64_t> picks;
+    for (uint32_t i = 0; i < samples; ++i)
+        ++picks[sample(lights, V3f(0), i)->target.x];
+    return picks;
+}
+
+std::vector<uint64_t> counts_of(const std::map<float, uint64_t>& picks) {
+    std::vector<uint64_t> counts;
+    for (const auto& pick : picks)
+        counts.push_back(pick.second);
+    return counts;
+}
+
+// A few lights are picked in proportion to what they send: then all samples weigh the same.
+TEST(lights, few_are_chosen_by_irradiance) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
-    for (const double power : {1.0, 5.0, 0.0, 14.0})
+    std::vector<double> expected;
+    double total = 0;
+    for (const double power : {1.0, 5.0, 0.0, 14.0}) {
         b.place_light(point_light(V3d(power)), translated({power - 4, 0, 3}));
-    const LightSet lights(world_of(b.scene));
-    std::map<float, uint64_t> picks; // by x of the target
+        const double irradiance = power / ((power - 4) * (power - 4) + 9);
+        if (power > 0) expected.push_back(irradiance);
+        total += irradiance;
+    }
     constexpr uint32_t kSamples = 40'000;
-    for (uint32_t i = 0; i < kSamples; ++i)
-        ++picks[sample(lights, V3f(0), i)->target.x];
+    for (double& e : expected)
+        e *= kSamples / total;
+    const World world = world_of(b.scene);
+    const LightSet lights(world);
+    const auto picks = picks_of(lights, kSamples);
     ASSERT_EQ(picks.size(), 3u); // the dark one never
-    std::vector<uint64_t> observed;
-    for (const auto& pick : picks)
-        observed.push_back(pick.second);
-    const std::vector<double> expected = {kSamples * 0.05, kSamples * 0.25, kSamples * 0.7};
-    EXPECT_GT(chi_square_test(observed, expected).p_value, 0.001);
+    EXPECT_GT(chi_square_test(counts_of(picks), expected).p_value, 0.001);
+    for (uint32_t i = 0; i < 100; ++i)
+        EXPECT_NEAR(std::ldexp(double(sample(lights, V3f(0), i)->weight.x), lights.exponent()) /
+                        total,
+                    1, 1e-4);
+}
+
+// Many are picked in proportion to their power, wherever they are.
+TEST(lights, many_are_chosen_by_power) {
+    SceneBuilder b;
+    b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+    std::vector<double> expected;
+    constexpr int kLights = 40;
+    constexpr uint32_t kSamples = 40'000;
+    for (int i = 0; i < kLights; ++i) {
+        b.place_light(point_light(V3d(1 + i % 3)), translated({i - 10.0, 0, 3}));
+        expected.push_back(kSamples * double(1 + i % 3) / 79);
+    }
+    EXPECT_GT(chi_square_test(counts_of(picks_of(LightSet(world_of(b.scene)), kSamples)), expected)
+                  .p_value,
+              0.001);
+}
+
+// Lamps and emissive triangles together: the mean of the weights is the irradiance of all.
+TEST(lights, of_both_kinds_add) {
+    const auto irradiance = [](bool with_lamps, bool with_panel) {
+        SceneBuilder b;
+        b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+        b.add_quad({-1, -1, 4}, {0, 2, 0}, {2, 0, 0},
+                   b.add_material(with_panel ? emitter(V3f(1)) : lambert(V3f(1))));
+        if (with_lamps)
+            for (const double x : {-1.0, 2.0})
+                b.place_light(point_light(V3d(1 + x * x)), translated({x, 0, 3}));
+        const World world = world_of(b.scene);
+        const LightSet lights(world);
+        double sum = 0;
+        constexpr uint32_t kSamples = 100'000;
+        const V3f from(V3d(world.space.from_world({0.2, 0, 0})));
+        for (uint32_t i = 0; i < kSamples; ++i)
+            if (const auto light = sample(lights, from, i))
+                sum += double(light->weight.x) * double(light->direction.z) / kSamples;
+        return std::ldexp(sum, lights.exponent());
+    };
+    EXPECT_NEAR(irradiance(true, true) / (irradiance(true, false) + irradiance(false, true)), 1,
+                0.01);
 }
 
 TEST(lights, sides_that_do_not_shine_are_not_sampled) {
