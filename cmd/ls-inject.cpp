@@ -106,6 +106,11 @@ void declare(cli::Tool& tool, Options& o) {
         .add_option("--max-depth", o.inject.max_depth,
                     "Scatterings between light and camera, both parts of the path together")
         ->check(CLI::Range(2, 1 << 16));
+    tool.app
+        .add_option("--branches", o.inject.branches,
+                    "Ways on which a photon goes on from the first surface, with a share of its "
+                    "flux each; the estimator energy alone")
+        ->check(CLI::Range(1, kMaxBranches));
     tool.app.add_option("--add", o.add, "Add to this cache of other photons of the same run")
         ->type_name("CACHE");
     tool.add_seed(o.inject.seed);
@@ -140,6 +145,7 @@ void print_info(const std::string& path, cli::Session& session) {
     line("photons", fmt::format("{}:{}", h.photon_count(), ranges));
     line("seed", fmt::format("{}", h.seed));
     line("max depth", fmt::format("{}", h.max_depth));
+    line("branches", fmt::format("{}", h.branches));
     line(h.estimator == Estimator::energy ? "power" : "intensity",
          fmt::format("{:g} {}", h.unit, h.estimator == Estimator::energy ? "W" : "W/sr"));
     line("scene hash", fmt::format("{:016x}", h.scene_hash));

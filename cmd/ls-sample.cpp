@@ -15,7 +15,7 @@ namespace {
 
 using namespace ql;
 
-constexpr double kDefaultShrinkage = 1;
+constexpr double kDefaultSmoothing = 64;
 
 // A length in metres or in voxels.
 struct Length {
@@ -26,7 +26,7 @@ struct Length {
 struct Options {
     cli::SceneOptions scene;
     SampleConfig sample;
-    std::optional<double> shrinkage; // none: kDefaultShrinkage where patches can be grouped
+    std::optional<double> smoothing; // none: kDefaultSmoothing where the cache has groups
     Length blur;
     int max_depth = 0; // 0: that of the cache
     bool no_roulette = false;
@@ -79,11 +79,12 @@ void declare_reading(cli::Tool& tool, Options& o) {
                     "Width, in patches, in which look-ups are moved on the voxel's faces")
         ->check(CLI::Range(0.0, 4.0));
     tool.app
-        .add_option("--shrinkage", o.shrinkage,
-                    "How far shafts of small measure are pulled to the mean of their neighbours; "
-                    "0 not at all; needs a cache of even --patches")
-        ->check(CLI::Range(0.0, 1e3))
-        ->default_str("1");
+        .add_option(
+            "--smoothing", o.smoothing,
+            "Photons a shaft with which it and the shafts around it weigh the same; 0: each "
+            "by itself; needs a cache of the estimator energy")
+        ->check(CLI::Range(0.0, 1e9))
+        ->default_str("64");
     tool.app
         .add_option_function<std::vector<float>>(
             "--glossy",
@@ -151,11 +152,9 @@ void check_cache(const Options& o, const CacheHeader& header, const Scene& scene
     if (o.max_depth > header.max_depth)
         throw usage_error("--max-depth {}: {} holds light for paths of at most {} scatterings",
                           o.max_depth, o.cache, header.max_depth);
-    if (o.shrinkage && *o.shrinkage > 0 &&
-        (header.patches % 2 != 0 || header.estimator != Estimator::energy))
-        throw usage_error("--shrinkage needs a cache of the estimator energy and an even number of "
-                          "patches; {} has {} and {}",
-                          o.cache, name_of(header.estimator), header.patches);
+    if (o.smoothing && *o.smoothing > 0 && header.estimator != Estimator::energy)
+        throw usage_error("--smoothing needs a cache of the estimator energy; {} has {}", o.cache,
+                          name_of(header.estimator));
     if (o.sample.read.fallback == Fallback::trace && header.estimator == Estimator::energy)
         throw usage_error("--fallback trace: with the estimator energy, shafts without light are "
                           "part of the mean; tracing there would count light twice");
@@ -172,6 +171,7 @@ void run(Options& o, cli::Session& session) {
     // Make scene and cache ready.
     std::unique_ptr<PosedScene> posed;
     std::unique_ptr<ReadTable> table;
+    std::unique_ptr<OpenSides> sides;
     std::unique_ptr<ShaftCandidates> candidates;
     uint64_t photons = 0;
     {
@@ -189,8 +189,10 @@ void run(Options& o, cli::Session& session) {
             session.warn(fmt::format("{}: of the estimator {}, which is not radiometric", o.cache,
                                      name_of(cache.header.estimator)));
         posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
-        const bool can_shrink = cache.header.patches % 2 == 0;
-        const ReadTableConfig config{o.shrinkage.value_or(can_shrink ? kDefaultShrinkage : 0)};
+        const ReadTableConfig config{o.smoothing.value_or(kDefaultSmoothing)};
+        if (cache.header.estimator == Estimator::energy)
+            sides = std::make_unique<OpenSides>(posed->rays(), LightEmission(posed->lights()),
+                                                session.workers());
         table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), config,
                                             session.workers());
         const V3d& cell = table->grid().cell;
@@ -208,7 +210,7 @@ void run(Options& o, cli::Session& session) {
     SampleResult result;
     {
         const auto timer = session.phase("render");
-        result = sample_frame(*posed, camera, *table, candidates.get(),
+        result = sample_frame(*posed, camera, *table, candidates.get(), sides.get(),
                               fresh_seeds(o.seed, 0, width, height), o.sample, session.workers(),
                               session.progress());
     }

@@ -41,9 +41,34 @@ void require_fit(const CacheHeader& a, const CacheHeader& b, const std::string& 
     require(a.patches == b.patches && a.voxels == b.voxels, "the number of voxels or patches");
     require(a.lower == b.lower && a.cell == b.cell, "the grid");
     require(a.max_depth == b.max_depth, "the depth");
+    require(a.branches == b.branches, "the number of branches");
     require(a.seed == b.seed, "the seed");
     require(a.sum_bits == b.sum_bits && a.unit == b.unit, "the unit of the sums");
     require(a.weight_by_order.size() == b.weight_by_order.size(), "the depth");
+}
+
+// The groups of both, with measures that must agree where they meet.
+void merge_groups(LightCache& to, const LightCache& a, const LightCache& b,
+                  const std::string& what) {
+    to.group_first.assign(a.group_first.size(), 0);
+    const auto append = [&to](const LightCache& from, size_t i) {
+        to.groups.push_back(from.groups[i]);
+        to.group_measures.push_back(from.group_measures[i]);
+    };
+    for (size_t v = 0; v + 1 < a.group_first.size(); ++v) {
+        size_t i = a.group_first[v], j = b.group_first[v];
+        while (i < a.group_first[v + 1] || j < b.group_first[v + 1]) {
+            const bool has_a = i < a.group_first[v + 1], has_b = j < b.group_first[v + 1];
+            const bool take_a = has_a && (!has_b || a.groups[i] <= b.groups[j]);
+            const bool take_both = take_a && has_b && a.groups[i] == b.groups[j];
+            if (take_both && a.group_measures[i] != b.group_measures[j])
+                throw input_error("{}: not of the same scene: measures differ", what);
+            take_a ? append(a, i) : append(b, j);
+            i += take_a;
+            j += !take_a || take_both;
+        }
+        to.group_first[v + 1] = to.groups.size();
+    }
 }
 
 } // namespace
@@ -73,9 +98,16 @@ uint64_t CacheHeader::photon_count() const {
     return count;
 }
 
+std::span<const uint32_t> LightCache::gated_shafts_of(uint64_t voxel) const {
+    const auto begin = shafts.begin() + int64_t(first[voxel]);
+    const auto end = shafts.begin() + int64_t(first[voxel + 1]);
+    return {begin, std::lower_bound(begin, end, header.caustics_from())};
+}
+
 size_t LightCache::memory_bytes() const {
     return first.size() * sizeof(uint64_t) + size() * (2 * sizeof(uint32_t) + sizeof(ShaftSum)) +
-           measures.size() * sizeof(float);
+           measures.size() * sizeof(float) + group_first.size() * sizeof(uint64_t) +
+           groups.size() * (sizeof(uint32_t) + sizeof(float));
 }
 
 VoxelGrid grid_of(const CacheHeader& header, const RenderSpace& space) {
@@ -134,6 +166,7 @@ LightCache merged(const LightCache& a, const LightCache& b, const std::string& w
         }
         result.first[v + 1] = result.size();
     }
+    merge_groups(result, a, b, what);
     return result;
 }
 

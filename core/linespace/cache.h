@@ -37,6 +37,8 @@ struct PhotonRange {
     bool operator==(const PhotonRange&) const = default;
 };
 
+inline constexpr int kMaxBranches = 256;
+
 using ShaftSum = std::array<int64_t, 3>;
 
 struct CacheHeader {
@@ -47,6 +49,7 @@ struct CacheHeader {
     V3d lower = {0, 0, 0};                 // corner of the grid, metres
     V3d cell = {1, 1, 1};                  // size of a voxel, metres
     int max_depth = 5;                     // of the joined path; light paths scatter one less
+    int branches = 1;                      // of a photon from its first scattering on
     uint64_t seed = 0;
     uint64_t scene_hash = 0;
     int sum_bits = 24;
@@ -78,8 +81,14 @@ struct LightCache {
     std::vector<uint32_t> counts; // photons
     std::vector<ShaftSum> sums;
     std::vector<float> measures; // G_s f_s in m^2 sr; energy alone, else empty
+    // Groups of shafts with light (groups.h), in the same order, and their measures, which those of
+    // dark shafts are part of. Energy alone, else empty.
+    std::vector<uint64_t> group_first;
+    std::vector<uint32_t> groups;
+    std::vector<float> group_measures;
 
     size_t size() const { return shafts.size(); }
+    std::span<const uint32_t> gated_shafts_of(uint64_t voxel) const;
     size_t memory_bytes() const;
 };
 

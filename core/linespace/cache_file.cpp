@@ -2,10 +2,12 @@
 
 #include "base/error.h"
 #include "image/deep_image.h"
+#include "linespace/groups.h"
 
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 namespace ql {
 
@@ -48,7 +50,7 @@ uint64_t digest_of(const LightCache& cache) {
     const CacheHeader& h = cache.header;
     Digest digest;
     for (const int value : {int(h.estimator), h.patches, h.voxels[0], h.voxels[1], h.voxels[2],
-                            h.max_depth, h.sum_bits, h.normal_classes})
+                            h.max_depth, h.branches, h.sum_bits, h.normal_classes})
         digest.add(uint64_t(value));
     for (int axis = 0; axis < 3; ++axis) {
         digest.add(h.lower[axis]);
@@ -72,6 +74,11 @@ uint64_t digest_of(const LightCache& cache) {
         if (!cache.measures.empty())
             digest.add(uint64_t{std::bit_cast<uint32_t>(cache.measures[i])});
     }
+    for (const uint64_t first : cache.group_first)
+        digest.add(first);
+    for (size_t i = 0; i < cache.groups.size(); ++i)
+        digest.add(uint64_t{cache.groups[i]} << 32 |
+                   std::bit_cast<uint32_t>(cache.group_measures[i]));
     return digest.value();
 }
 
@@ -109,6 +116,7 @@ DeepHeader deep_header(const LightCache& cache, const std::string& date_time) {
         {"ql:grid_lower", h.lower},
         {"ql:voxel_size", h.cell},
         {"ql:max_depth", h.max_depth},
+        {"ql:branches", h.branches},
         {"ql:seed", fmt::format("{}", h.seed)},
         {"ql:scene_hash", fmt::format("{:016x}", h.scene_hash)},
         {"ql:sum_bits", h.sum_bits},
@@ -202,6 +210,7 @@ CacheHeader cache_header(const DeepHeader& header) {
     h.lower = checked_vector(header, "ql:grid_lower", -1e300);
     h.cell = checked_vector(header, "ql:voxel_size", 0);
     h.max_depth = integer_of(header, "ql:max_depth", 2, 1 << 16);
+    h.branches = integer_of(header, "ql:branches", 1, kMaxBranches);
     h.seed = number_of<uint64_t>(value_of<std::string>(header, "ql:seed"), "ql:seed");
     h.scene_hash =
         number_of<uint64_t>(value_of<std::string>(header, "ql:scene_hash"), "ql:scene_hash", 16);
@@ -239,36 +248,61 @@ class CacheReader : public DeepReader {
     uint64_t on_header(const DeepHeader& header) override {
         cache.header = cache_header(header);
         digest = number_of<uint64_t>(value_of<std::string>(header, "ql:digest"), "ql:digest", 16);
-        return 2 * uint64_t{cache.header.caustics_from()};
+        m_shafts_end = 2 * cache.header.caustics_from();
+        m_end = m_shafts_end;
+        if (is_measured())
+            m_end += ShaftGroups(cache.header.patches, cache.header.normal_classes).size();
+        return m_end;
     }
 
     void on_sample_counts(std::span<const uint32_t> counts, uint64_t total) override {
-        cache.first.resize(counts.size() + 1, 0);
-        for (size_t v = 0; v < counts.size(); ++v)
-            cache.first[v + 1] = cache.first[v] + counts[v];
+        m_counts.assign(counts.begin(), counts.end());
+        cache.first.assign(counts.size() + 1, 0);
         cache.shafts.reserve(total);
         cache.counts.reserve(total);
         cache.sums.reserve(total);
-        if (cache.header.estimator == Estimator::energy) cache.measures.reserve(total);
+        if (!is_measured()) return;
+        cache.group_first.assign(counts.size() + 1, 0);
+        cache.measures.reserve(total);
     }
 
     void on_row(int y, const DeepRow& row) override {
-        const bool measured = cache.header.estimator == Estimator::energy;
-        const std::vector<uint32_t>& shafts = row.back();
-        const uint32_t end = 2 * cache.header.caustics_from();
-        size_t voxel = size_t(y) * size_t(cache.header.voxels[0]);
-        for (size_t i = 0; i < shafts.size(); ++i) {
-            while (cache.shafts.size() >= cache.first[voxel + 1])
-                ++voxel;
-            const bool starts_voxel = cache.shafts.size() == cache.first[voxel];
-            if (shafts[i] >= end || (!starts_voxel && shafts[i] <= cache.shafts.back()))
-                throw input_error("damaged: voxel {} has shaft {} out of order", voxel, shafts[i]);
-            add_sample(row, i, measured);
+        const auto width = size_t(cache.header.voxels[0]);
+        size_t i = 0;
+        for (size_t voxel = size_t(y) * width; voxel < (size_t(y) + 1) * width; ++voxel) {
+            std::optional<uint32_t> last;
+            for (const size_t end = i + m_counts[voxel]; i < end; ++i) {
+                const uint32_t shaft = row.back()[i];
+                if (shaft >= m_end || (last && shaft <= *last))
+                    throw input_error("damaged: voxel {} has shaft {} out of order", voxel, shaft);
+                shaft < m_shafts_end ? add_shaft(row, i) : add_group(row, i);
+                last = shaft;
+            }
+            cache.first[voxel + 1] = cache.size();
+            if (is_measured()) cache.group_first[voxel + 1] = cache.groups.size();
         }
     }
 
   private:
-    void add_sample(const DeepRow& row, size_t i, bool measured) {
+    bool is_measured() const { return cache.header.estimator == Estimator::energy; }
+
+    static float measure_of(const DeepRow& row, size_t i) {
+        const float measure = std::bit_cast<float>(row[kMeasure][i]);
+        if (!std::isfinite(measure) || !(measure > 0))
+            throw input_error("damaged: measure {} in shaft {}, expected a positive number",
+                              measure, row.back()[i]);
+        return measure;
+    }
+
+    void add_group(const DeepRow& row, size_t i) {
+        for (const size_t channel : {kBHi, kBLo, kGHi, kGLo, kRHi, kRLo, kCount})
+            if (row[channel][i] != 0)
+                throw input_error("damaged: light in group {}", row.back()[i] - m_shafts_end);
+        cache.groups.push_back(row.back()[i] - m_shafts_end);
+        cache.group_measures.push_back(measure_of(row, i));
+    }
+
+    void add_shaft(const DeepRow& row, size_t i) {
         cache.shafts.push_back(row.back()[i]);
         cache.counts.push_back(row[kCount][i]);
         cache.sums.push_back({from_halves(row[kRHi][i], row[kRLo][i]),
@@ -278,38 +312,63 @@ class CacheReader : public DeepReader {
             if (sum < 0) throw input_error("damaged: a negative sum in shaft {}", row.back()[i]);
         if (cache.counts.back() == 0)
             throw input_error("damaged: no photons in shaft {}", row.back()[i]);
-        if (!measured) return;
-        const float measure = std::bit_cast<float>(row[kMeasure][i]);
-        if (!std::isfinite(measure) || !(measure > 0))
-            throw input_error("damaged: measure {} in shaft {}, expected a positive number",
-                              measure, row.back()[i]);
-        cache.measures.push_back(measure);
+        if (is_measured()) cache.measures.push_back(measure_of(row, i));
     }
+
+    std::vector<uint32_t> m_counts; // samples by voxel
+    uint32_t m_shafts_end = 0;      // of the numbers of shafts; groups follow
+    uint32_t m_end = 0;
 };
+
+void write_shaft(DeepRow& row, size_t i, const LightCache& cache, size_t entry) {
+    const ShaftSum& sum = cache.sums[entry];
+    row[kRHi][i] = high_half(sum[0]);
+    row[kRLo][i] = low_half(sum[0]);
+    row[kGHi][i] = high_half(sum[1]);
+    row[kGLo][i] = low_half(sum[1]);
+    row[kBHi][i] = high_half(sum[2]);
+    row[kBLo][i] = low_half(sum[2]);
+    row[kCount][i] = cache.counts[entry];
+    if (!cache.measures.empty()) row[kMeasure][i] = std::bit_cast<uint32_t>(cache.measures[entry]);
+    row.back()[i] = cache.shafts[entry];
+}
+
+std::optional<size_t> voxel_of_wrong_groups(const LightCache& cache) {
+    if (cache.group_first.empty()) return std::nullopt;
+    const ShaftGroups groups(cache.header.patches, cache.header.normal_classes);
+    for (size_t v = 0; v + 1 < cache.first.size(); ++v) {
+        const auto begin = cache.groups.begin() + int64_t(cache.group_first[v]);
+        const auto end = cache.groups.begin() + int64_t(cache.group_first[v + 1]);
+        const std::vector<uint32_t> expected = groups.holding(cache.gated_shafts_of(v));
+        if (!std::equal(begin, end, expected.begin(), expected.end())) return v;
+    }
+    return std::nullopt;
+}
 
 } // namespace
 
 void write_cache(const std::string& path, const LightCache& cache, const std::string& date_time) {
     const DeepHeader header = deep_header(cache, date_time);
     const auto width = size_t(header.width);
+    const bool measured = !cache.group_first.empty();
+    const uint32_t shafts_end = 2 * cache.header.caustics_from();
     std::vector<uint32_t> counts(cache.first.size() - 1);
-    for (size_t v = 0; v < counts.size(); ++v)
+    for (size_t v = 0; v < counts.size(); ++v) {
         counts[v] = uint32_t(cache.first[v + 1] - cache.first[v]);
+        if (measured) counts[v] += uint32_t(cache.group_first[v + 1] - cache.group_first[v]);
+    }
     write_deep_image(path, header, counts, [&](int y, DeepRow& row) {
-        const size_t begin = cache.first[size_t(y) * width];
-        for (size_t i = 0; i < row.back().size(); ++i) {
-            const size_t entry = begin + i;
-            const ShaftSum& sum = cache.sums[entry];
-            row[kRHi][i] = high_half(sum[0]);
-            row[kRLo][i] = low_half(sum[0]);
-            row[kGHi][i] = high_half(sum[1]);
-            row[kGLo][i] = low_half(sum[1]);
-            row[kBHi][i] = high_half(sum[2]);
-            row[kBLo][i] = low_half(sum[2]);
-            row[kCount][i] = cache.counts[entry];
-            if (!cache.measures.empty())
-                row[kMeasure][i] = std::bit_cast<uint32_t>(cache.measures[entry]);
-            row.back()[i] = cache.shafts[entry];
+        for (std::vector<uint32_t>& channel : row)
+            std::fill(channel.begin(), channel.end(), 0);
+        size_t i = 0;
+        for (size_t voxel = size_t(y) * width; voxel < (size_t(y) + 1) * width; ++voxel) {
+            for (size_t entry = cache.first[voxel]; entry < cache.first[voxel + 1]; ++entry, ++i)
+                write_shaft(row, i, cache, entry);
+            if (!measured) continue;
+            for (size_t g = cache.group_first[voxel]; g < cache.group_first[voxel + 1]; ++g, ++i) {
+                row[kMeasure][i] = std::bit_cast<uint32_t>(cache.group_measures[g]);
+                row.back()[i] = shafts_end + cache.groups[g];
+            }
         }
     });
 }
@@ -317,9 +376,12 @@ void write_cache(const std::string& path, const LightCache& cache, const std::st
 LightCache read_cache(const std::string& path) {
     CacheReader reader;
     read_deep_image(path, reader);
+    const std::string name = path == "-" ? "standard input" : path;
     if (digest_of(reader.cache) != reader.digest)
-        throw input_error("{}: damaged: its content does not match its digest",
-                          path == "-" ? "standard input" : path);
+        throw input_error("{}: damaged: its content does not match its digest", name);
+    if (const auto voxel = voxel_of_wrong_groups(reader.cache))
+        throw input_error("{}: damaged: the groups of voxel {} are not those of its shafts", name,
+                          *voxel);
     return std::move(reader.cache);
 }
 

@@ -25,6 +25,11 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// The mean over photons that the thesis takes has no place for parts of photons.
+int branches_of(const InjectConfig& config) {
+    return config.estimator == Estimator::energy ? config.branches : 1;
+}
+
 CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const InjectConfig& config,
                        const VoxelGrid& grid, const LightEmission& emission) {
     const RenderSpace& space = scene.world().space;
@@ -38,6 +43,7 @@ CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const Injec
     header.lower = space.to_world(grid.lower);
     header.cell = grid.cell / space.scale;
     header.max_depth = config.max_depth;
+    header.branches = branches_of(config);
     header.seed = config.seed;
     header.scene_hash = scene_hash;
     header.sum_bits = energy ? kEnergySumBits : kCountSumBits;
@@ -51,6 +57,7 @@ void check(const InjectConfig& config, const LightEmission& emission) {
     QL_CHECK(config.patches >= 1 && config.patches <= kMaxPatches);
     QL_CHECK(config.normal_classes == 1 || config.normal_classes == 6);
     QL_CHECK(config.max_depth >= 2);
+    QL_CHECK(config.branches >= 1 && config.branches <= kMaxBranches);
     QL_CHECK(config.photons.begin < config.photons.end);
     if (config.estimator != Estimator::energy && !emission.empty() && !emission.is_punctual())
         throw usage_error("--estimator {} knows point and spot lights only; use energy",
@@ -108,11 +115,19 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
                           config.normal_classes,
                           config.estimator,
                           config.max_depth - 1,
+                          branches_of(config),
                           config.seed,
                           1 / world.space.scale,
                           {}};
     for (const Material& material : source.materials)
         context.takes_light.push_back(takes_light(material));
+
+    // Find out which sides of the surfaces take part; the thesis takes all.
+    std::optional<OpenSides> sides;
+    if (config.estimator == Estimator::energy) {
+        sides.emplace(scene.rays(), emission, workers);
+        context.sides = &*sides;
+    }
 
     // Trace.
     LightCache cache;
@@ -133,7 +148,7 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
     start = Clock::now();
     if (config.estimator == Estimator::energy) {
         const MaterialAlphaTest alpha_test;
-        report.measure = measure_shafts(world, has_alpha(source) ? &alpha_test : nullptr,
+        report.measure = measure_shafts(world, *sides, has_alpha(source) ? &alpha_test : nullptr,
                                         config.measure, cache, workers, progress);
     }
     report.seconds_measuring = seconds_since(start);

@@ -19,6 +19,7 @@ struct InjectConfig {
     int normal_classes = 6;
     Estimator estimator = Estimator::energy;
     int max_depth = 5; // scatterings of the joined path, at least 2
+    int branches = 8;  // into which a photon is split where it first scatters; energy alone
     uint64_t seed = 0;
     PhotonRange photons{0, 1000000};
     MeasureConfig measure;

@@ -5,21 +5,23 @@
 // the mean number of such surfaces on a line. Lines join low-discrepancy points on both patches; a
 // first set of 32 decides how many more a shaft needs. An unbiased f makes 1/f biased, so that one
 // hit and one line are added, (n + 1)/(K + 1): its inverse is unbiased but for (1 - f)^(K + 1), and
-// finite where no line of the sample meets anything. Depends on the scene, the grid and the shaft
-// alone.
+// finite where no line of the sample meets anything. Groups of shafts (groups.h) share lines
+// through the whole voxel. Depends on the scene, the grid and the shaft or group alone.
 #pragma once
 
 #include "base/progress.h"
 #include "geometry/embree_scene.h"
 #include "linespace/cache.h"
-#include "linespace/etendue.h"
-#include "linespace/voxel_primitives.h"
+#include "linespace/groups.h"
+#include "linespace/open_sides.h"
 
 namespace ql {
 
 struct MeasureConfig {
-    int max_lines = 256;  // a shaft, a multiple of 32
-    int enough_hits = 24; // that the number of lines aims at
+    int max_lines = 256;          // of a shaft, a multiple of 32
+    int enough_hits = 24;         // that the number of lines aims at
+    int max_voxel_lines = 16384;  // for the groups of a voxel
+    int enough_voxel_hits = 2048; // of each class of normals
 };
 
 struct MeasureReport {
@@ -28,9 +30,10 @@ struct MeasureReport {
     double unmeasured_weight = 0;   // of the photons in those, mean over R, G, B
 };
 
-// Fills cache.measures. alpha_test may be null where no material has an alpha mode.
-MeasureReport measure_shafts(const World& world, const AlphaTest* alpha_test,
-                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
-                             Progress& progress);
+// Fills cache.measures, and cache.groups with all that belongs to it. alpha_test may be null where
+// no material has an alpha mode.
+MeasureReport measure_shafts(const World& world, const OpenSides& sides,
+                             const AlphaTest* alpha_test, const MeasureConfig& config,
+                             LightCache& cache, const Workers& workers, Progress& progress);
 
 } // namespace ql

@@ -2,14 +2,18 @@
 //
 // Particle tracing in the form of Veach 1997, section 4.4 and 5.3: photons carry flux; scattering
 // with shading normals is the adjoint of that of camera paths. Russian roulette from the first
-// scattering on keeps the flux of a photon at its first value. Random numbers of photon i depend on
-// (seed, i) alone:
+// scattering on keeps the flux of a photon at its first value. At the first surface that takes
+// light a photon is split (Arvo and Kirk, "Particle transport and image synthesis", SIGGRAPH 1990):
+// most photons of an open scene never arrive anywhere a second time, so that the way from the light
+// is best used several times. Random numbers of photon i depend on (seed, i) alone:
 //   block 0: choice of the light (two words), key of alpha decisions
 //   block 1: point and direction on the light
-//   block 2 + d: lobe, direction (2), Russian roulette     at scattering d = 0, 1, ...
+//   block 4096 b + 2 + d: lobe, direction (2), Russian roulette     of branch b at scattering d;
+//                         b = 0 up to the split, 1, 2, ... after it
 #pragma once
 
 #include "linespace/accumulate.h"
+#include "linespace/open_sides.h"
 #include "linespace/vertex.h"
 #include "shading/light_emission.h"
 
@@ -23,16 +27,18 @@ struct PhotonContext {
     int normal_classes = 6;
     Estimator estimator = Estimator::energy;
     int max_scatterings = 4; // of light paths
+    int branches = 1;        // into which a photon is split
     uint64_t seed = 0;
-    double metres = 1;             // per unit of render space
-    std::vector<char> takes_light; // by material
+    double metres = 1;                // per unit of render space
+    std::vector<char> takes_light;    // by material
+    const OpenSides* sides = nullptr; // null: all are open
 };
 
 struct PhotonCounts {
     uint64_t rays = 0;
     uint64_t vertices = 0; // surface hits
     uint64_t deposits = 0;
-    uint64_t gated = 0;     // hits whose light did not enter the voxel from outside
+    uint64_t gated = 0; // hits whose light did not enter the voxel from outside, or closed sides
     uint64_t discarded = 0; // photons that ended because their flux was not finite or too large
     int64_t unclassified = 0;
     std::vector<int64_t> weight_by_order;
@@ -51,6 +57,11 @@ namespace detail {
 // Separates photons from the other users of CounterRandom.
 inline constexpr uint64_t kPhotonKey = 0x70686f746f6e7321;
 inline constexpr float kMaxAdjointFactor = 64;
+
+// x in [0, 2), to [0, 1).
+inline float wrapped(float x) {
+    return x < 1 ? x : std::min(x - 1, 0x1.fffffep-1f);
+}
 
 inline float largest_component(const V3f& v) {
     return std::max({v.x, v.y, v.z});
@@ -80,7 +91,24 @@ class PhotonKernel {
         V3f weight;
         int scatterings = 0;
         bool only_specular = true; // since the light
+        bool is_split = false;
+        bool left_open_side = true;
+        uint32_t branch = 0;
+        uint32_t alpha_key = 0;
     };
+    static uint32_t block_of(const Flight& flight) {
+        return 4096 * flight.branch + 2 + uint32_t(flight.scatterings);
+    }
+    void follow(Flight flight, Ray ray, const CounterRandom& random) const;
+    // The ray on which the flight goes on; none if it ends there.
+    std::optional<Ray> scattered(const SurfacePoint& point, const PathVertex& vertex,
+                                 Flight& flight, const RandomFloats& u) const;
+    void split(const SurfacePoint& point, const PathVertex& vertex, const Flight& flight,
+               const CounterRandom& random) const;
+    // Whether the side of the surface that w points away from is open.
+    bool is_open(const SurfacePoint& point, const V3f& w) const {
+        return !m_context.sides || m_context.sides->is_open(point.surface, point.ng.dot(w) > 0);
+    }
     void deposit(const PathVertex& vertex, double distance, const Flight& flight) const;
     V3f first_weight(const EmittedPhoton& emitted) const;
     V3f weakened(const V3f& weight, const PathVertex& vertex, double distance,
@@ -140,25 +168,64 @@ void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double d
 }
 
 template<uint32_t Lobes, uint32_t Attributes>
-void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
-    // Leave a light.
-    const CounterRandom random(m_context.seed ^ kPhotonKey, photon);
-    const RandomWords pick = random.words(0);
-    const RandomFloats u_light = random.block(1);
-    const EmittedPhoton emitted = m_context.emission.sample(
-        unit_double(pick[0], pick[1]), {u_light[0], u_light[1]}, {u_light[2], u_light[3]});
-    Flight flight{first_weight(emitted)};
-    Ray ray{emitted.origin, 0, emitted.direction, kInfinity};
+std::optional<Ray>
+PhotonKernel<Lobes, Attributes>::scattered(const SurfacePoint& point, const PathVertex& vertex,
+                                           Flight& flight, const RandomFloats& u) const {
+    const auto next = sample_bsdf<Lobes, TransportMode::importance>(vertex.bsdf, vertex.wo_local,
+                                                                    u[0], {u[1], u[2]});
+    if (!next) return std::nullopt;
+    const V3f wi = vertex.frame.world_from_local(next->wi);
+    if ((wi.dot(vertex.ng) > 0) == next->transmitted) return std::nullopt;
+    V3f weight = times(flight.weight, next->weight);
+    if constexpr (Attributes != 0)
+        if (!next->specular) weight *= adjoint_factor(vertex, wi);
+    if (m_context.estimator == Estimator::energy) {
+        const float survival =
+            std::min(1.0f, largest_component(weight) / largest_component(flight.weight));
+        if (!(u[3] < survival)) return std::nullopt;
+        weight /= survival;
+    }
+    if (is_black(weight)) return std::nullopt;
+    flight.weight = weight;
+    flight.only_specular &= next->specular;
+    flight.left_open_side = is_open(point, wi);
+    ++flight.scatterings;
+    return Ray{offset_origin(vertex.position, vertex.ng, vertex.offset, wi), 0, wi, kInfinity};
+}
 
-    for (;; ++flight.scatterings) {
+// Directions of the branches are a rotated lattice: Korobov points of the golden ratio.
+template<uint32_t Lobes, uint32_t Attributes>
+void PhotonKernel<Lobes, Attributes>::split(const SurfacePoint& point, const PathVertex& vertex,
+                                            const Flight& flight,
+                                            const CounterRandom& random) const {
+    const auto branches = uint32_t(m_context.branches);
+    const RandomFloats shift = random.block(2 + uint32_t(flight.scatterings));
+    for (uint32_t b = 0; b < branches; ++b) {
+        Flight branch = flight;
+        branch.weight /= float(branches);
+        branch.is_split = true;
+        branch.branch = b + 1;
+        branch.alpha_key += branch.branch * 0x85ebca6bu;
+        RandomFloats u = random.block(block_of(branch));
+        u[1] = wrapped(shift[1] + float(b) / float(branches));
+        u[2] = wrapped(shift[2] + wrapped(float(b) * 0.618034f));
+        if (const auto ray = scattered(point, vertex, branch, u)) follow(branch, *ray, random);
+    }
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+void PhotonKernel<Lobes, Attributes>::follow(Flight flight, Ray ray,
+                                             const CounterRandom& random) const {
+    for (;;) {
         // Find the next surface.
-        const uint32_t alpha_key = pick[2] + uint32_t(flight.scatterings) * 0x9e3779b9u;
         ++m_counts.rays;
         Hit hit;
+        const uint32_t alpha_key = flight.alpha_key + uint32_t(flight.scatterings) * 0x9e3779b9u;
         if (!m_context.rays.intersect(ray, alpha_key, hit)) return;
         ++m_counts.vertices;
         const SurfacePoint point = surface_point<Attributes>(m_world, ray, hit);
         const Material& material = m_world.scene->materials[size_t(point.material)];
+        const bool takes_light = m_context.takes_light[size_t(point.material)];
         const PathVertex vertex = path_vertex<Attributes>(m_world, point, material, -ray.direction);
 
         // Store light that has been scattered at least once.
@@ -167,31 +234,33 @@ void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
             ++m_counts.discarded;
             return;
         }
-        if (flight.scatterings > 0 && m_context.takes_light[size_t(point.material)])
-            deposit(vertex, double(hit.t), flight);
+        if (flight.scatterings > 0 && takes_light) {
+            if (flight.left_open_side && is_open(point, -ray.direction))
+                deposit(vertex, double(hit.t), flight);
+            else
+                ++m_counts.gated;
+        }
         if (flight.scatterings == m_context.max_scatterings) return;
 
         // Choose where the photon goes on.
-        const RandomFloats u = random.block(uint32_t(2 + flight.scatterings));
-        const auto next = sample_bsdf<Lobes, TransportMode::importance>(
-            vertex.bsdf, vertex.wo_local, u[0], {u[1], u[2]});
+        if (takes_light && !flight.is_split && m_context.branches > 1)
+            return split(point, vertex, flight, random);
+        const auto next = scattered(point, vertex, flight, random.block(block_of(flight)));
         if (!next) return;
-        const V3f wi = vertex.frame.world_from_local(next->wi);
-        if ((wi.dot(vertex.ng) > 0) == next->transmitted) return;
-        V3f weight = times(flight.weight, next->weight);
-        if constexpr (Attributes != 0)
-            if (!next->specular) weight *= adjoint_factor(vertex, wi);
-        if (m_context.estimator == Estimator::energy) {
-            const float survival =
-                std::min(1.0f, largest_component(weight) / largest_component(flight.weight));
-            if (!(u[3] < survival)) return;
-            weight /= survival;
-        }
-        if (is_black(weight)) return;
-        flight.weight = weight;
-        flight.only_specular &= next->specular;
-        ray = {offset_origin(point.position, vertex.ng, point.offset, wi), 0, wi, kInfinity};
+        ray = *next;
     }
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
+    const CounterRandom random(m_context.seed ^ kPhotonKey, photon);
+    const RandomWords pick = random.words(0);
+    const RandomFloats u_light = random.block(1);
+    const EmittedPhoton emitted = m_context.emission.sample(
+        unit_double(pick[0], pick[1]), {u_light[0], u_light[1]}, {u_light[2], u_light[3]});
+    Flight flight{first_weight(emitted)};
+    flight.alpha_key = pick[2];
+    follow(flight, {emitted.origin, 0, emitted.direction, kInfinity}, random);
 }
 
 template<uint32_t Lobes, uint32_t Attributes>

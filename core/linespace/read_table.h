@@ -1,11 +1,16 @@
 // The cache made ready for reading: incident radiance by voxel and directed shaft.
 //
-// Radiance is in units of LightSet. A shaft without light reads as zero. Immutable, hence safe to
-// share between threads; 16 bytes an entry.
+// Radiance is in units of LightSet. Where photons are few, most shafts have none and the others are
+// too bright. Therefore each takes a part of its radiance from the group of shafts around it
+// (groups.h), and that one from its own: of n photons in a group of m members, n/(n + k m) of what
+// a member holds itself and the rest of the mean of the group, which counts its dark shafts. The
+// light of a voxel stays what it is. Immutable, hence safe to share between threads; 16 bytes a
+// shaft or group.
 #pragma once
 
 #include "base/parallel.h"
 #include "linespace/cache.h"
+#include "linespace/groups.h"
 #include "shading/lights.h"
 
 #include <algorithm>
@@ -13,10 +18,9 @@
 namespace ql {
 
 struct ReadTableConfig {
-    // Shafts of small measure are pulled towards the mean of their group of neighbours, the shafts
-    // of N/2 x N/2 patches, by 1 / (1 + measure / (shrinkage x mean measure of a shaft with
-    // light)). The energy of a group stays as it is. 0: not at all. Needs an even N.
-    double shrinkage = 0;
+    // k: the photons a member of a group with which it and the group weigh the same; 0 leaves every
+    // shaft what it holds.
+    double smoothing = 0;
 };
 
 class ReadTable {
@@ -35,8 +39,8 @@ class ReadTable {
     bool has_caustics() const { return m_has_caustics; }
     Estimator estimator() const { return m_estimator; }
     size_t memory_bytes() const {
-        return m_first.size() * sizeof(uint64_t) +
-               m_shafts.size() * (sizeof(uint32_t) + sizeof(V3f));
+        return (m_first.size() + m_group_first.size()) * sizeof(uint64_t) +
+               (m_shafts.size() + m_groups.size()) * (sizeof(uint32_t) + sizeof(V3f));
     }
 
     // The share of the cache's light that has been scattered at most that often.
@@ -53,9 +57,11 @@ class ReadTable {
         if (at == end || *at != shaft) return std::nullopt;
         return uint64_t(at - m_shafts.data());
     }
-    V3f radiance(uint32_t voxel, uint32_t shaft) const {
-        const auto entry = find(voxel, shaft);
-        return entry ? m_radiance[*entry] : V3f(0);
+    // Of a shaft of either layer. A dark one of the gated layer has what its group gives it.
+    V3f radiance(uint32_t voxel, uint32_t number) const {
+        if (const auto entry = find(voxel, number)) return m_radiance[*entry];
+        return m_groups.empty() || number >= caustics_from() ? V3f(0)
+                                                             : of_dark_shaft(voxel, number);
     }
     std::span<const uint32_t> shafts_of(uint32_t voxel) const {
         return {m_shafts.data() + m_first[voxel], m_first[voxel + 1] - m_first[voxel]};
@@ -63,7 +69,8 @@ class ReadTable {
     uint64_t first_of(uint32_t voxel) const { return m_first[voxel]; }
 
   private:
-    void shrink(const LightCache& cache, double shrinkage, const Workers& workers);
+    void smooth(const LightCache& cache, double smoothing, const Workers& workers);
+    V3f of_dark_shaft(uint32_t voxel, uint32_t number) const;
 
     VoxelGrid m_grid;
     int m_patches;
@@ -74,6 +81,10 @@ class ReadTable {
     std::vector<uint64_t> m_first;
     std::vector<uint32_t> m_shafts;
     std::vector<V3f> m_radiance;
+    ShaftGroups m_all_groups;
+    std::vector<uint64_t> m_group_first;
+    std::vector<uint32_t> m_groups;
+    std::vector<V3f> m_dark_radiance; // by group: of its members without light
     std::vector<float> m_share;
 };
 

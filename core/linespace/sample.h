@@ -35,10 +35,11 @@ struct SampleResult {
     uint64_t discarded_samples = 0;
 };
 
-// seeds: one per pixel. candidates may be null.
+// seeds: one per pixel. candidates may be null. sides: those of the cache, null for the estimators
+// of the thesis.
 SampleResult sample_frame(const PosedScene& scene, const PixelCamera& camera,
                           const ReadTable& table, const ShaftCandidates* candidates,
-                          const Array2D<uint32_t>& seeds, const SampleConfig& config,
-                          const Workers& workers, Progress& progress);
+                          const OpenSides* sides, const Array2D<uint32_t>& seeds,
+                          const SampleConfig& config, const Workers& workers, Progress& progress);
 
 } // namespace ql

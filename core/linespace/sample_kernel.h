@@ -2,18 +2,22 @@
 //
 // Source: Nilles 2017, sections 4.2.3 and 5.2.7. At every vertex the lobes are parted: diffuse
 // lobes (and glossy ones that ReadConfig says so) read the cache and trust next-event estimation
-// with the light they receive directly; the other lobes are traced on as in render/path_kernel.h.
+// with the light they receive directly; the other lobes are traced on as in render/path_kernel.h,
+// with the probability of their share in the vertex. A read costs little, so that every vertex with
+// lobes that read does it.
 // A read whose ray meets something before the voxel's face does not use the shaft, the path goes
 // on from there: the light that photons brought from inside the voxel was not stored. Light that
 // such a path finds by emission is not counted, it is in the next-event estimate or, over mirrors
 // and glass, in the caustic layer. Random numbers of a path, by branch b and scattering d:
-//   block 4096 b + 4 d + 1: choice of the light, point on it
-//   block 4096 b + 4 d + 2: lobe, direction (2), Russian roulette
-//   block 4096 b + 4 d + 3: blur (2), glossy decision
-//   block 4096 b + 4 d + 4: shaft jitter
+//   block 4096 b + 5 d + 1: choice of the light, point on it
+//   block 4096 b + 5 d + 2: lobe and direction (2) of a read, Russian roulette
+//   block 4096 b + 5 d + 3: blur (2), glossy decision
+//   block 4096 b + 5 d + 4: shaft jitter
+//   block 4096 b + 5 d + 5: lobe and direction (2) of what is traced on, Russian roulette
 #pragma once
 
 #include "linespace/candidates.h"
+#include "linespace/open_sides.h"
 #include "linespace/read_table.h"
 #include "linespace/vertex.h"
 
@@ -27,7 +31,7 @@ enum class Fallback {
 struct ReadConfig {
     int max_depth = 5;      // scatterings of the joined path
     int roulette_depth = 3; // as in PathConfig
-    int reads = 2;          // of the cache at the first vertex of a path that reads, at least 1
+    int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
     float glossy_low = 0;   // Phong exponents below read the cache ...
     float glossy_high = 0;  // ... at or above are traced on, in between by chance
     double blur = 0;        // radius of the look-up disc; of a voxel's shortest side
@@ -40,6 +44,7 @@ struct ReadContext {
     const LightSet& lights;
     const ReadTable& table;
     const ShaftCandidates* candidates; // null: ask Embree whether a ray leaves its voxel
+    const OpenSides* sides;            // null: all are open
     ReadConfig config;
     double blur_radius = 0; // render space
     bool has_emission = false;
@@ -92,19 +97,22 @@ class ReadKernel {
         uint32_t branch = 0;
         uint32_t alpha_key = 0;
         uint32_t key() const { return alpha_key + uint32_t(scatterings) * 0x9e3779b9u; }
-        uint32_t block(uint32_t n) const { return 4096 * branch + 4 * uint32_t(scatterings) + n; }
+        uint32_t block(uint32_t n) const { return 4096 * branch + 5 * uint32_t(scatterings) + n; }
     };
 
     // A vertex with its lobes parted.
     struct PartedVertex {
         PathVertex at;
         Bsdf read, traced;
-        float p_read; // probability of following the lobes that read
+        float p_trace; // probability of following the others
+        bool reads() const { return p_trace < 1; }
     };
+    // Tells the random numbers of what is traced on from those of reads.
+    static constexpr uint32_t kTracedBranch = 1 << 11;
 
     void follow(Path path, const PixelRandom& random, ReadSample& sample) const;
     bool find_hit(Path& path) const;
-    PartedVertex part(const PathVertex& vertex, float u_glossy) const;
+    PartedVertex part(const PathVertex& vertex, bool reads, float u_glossy) const;
     BsdfValue read_value(const PartedVertex& v, const V3f& wi) const;
     std::optional<BsdfSample> read_sample(const PartedVertex& v, V2f u, float u_lobe) const;
     V3f lit_by_lights(const PartedVertex& v, const Path& path, const PixelRandom& random) const;
@@ -114,6 +122,8 @@ class ReadKernel {
               ReadSample& sample) const;
     std::optional<ShaftPlace> look_up(const PartedVertex& v, const V3f& wi, const Path& path,
                                       const PixelRandom& random) const;
+    void read_on(const PartedVertex& v, const Path& path, const PixelRandom& random,
+                 ReadSample& sample) const;
     bool continue_traced(const PartedVertex& v, Path& path, const PixelRandom& random) const;
     bool survives(Path& path, float u) const;
 
@@ -123,9 +133,13 @@ class ReadKernel {
 };
 
 template<uint32_t Lobes, uint32_t Attributes>
-auto ReadKernel<Lobes, Attributes>::part(const PathVertex& vertex, float u_glossy) const
+auto ReadKernel<Lobes, Attributes>::part(const PathVertex& vertex, bool reads, float u_glossy) const
     -> PartedVertex {
-    PartedVertex v{vertex, vertex.bsdf, vertex.bsdf, 1};
+    PartedVertex v{vertex, vertex.bsdf, vertex.bsdf, 0};
+    if (!reads) {
+        v.p_trace = 1;
+        return v;
+    }
     if constexpr (kDiffuseOnly) return v;
     const ReadConfig& config = m_context.config;
     const float n = vertex.bsdf.exponent;
@@ -140,9 +154,9 @@ auto ReadKernel<Lobes, Attributes>::part(const PathVertex& vertex, float u_gloss
     const detail::LobeWeights weights = detail::lobe_weights<Lobes>(vertex.bsdf, vertex.wo_local.z);
     const float reading = weights.diffuse + (glossy_reads ? weights.phong : 0);
     const float sum = weights.sum();
-    v.p_read = sum > 0 ? reading / sum : 0;
+    v.p_trace = sum > 0 ? 1 - reading / sum : 1;
     // Lobes that are all read leave nothing to chance.
-    if (v.p_read > 0.9999f) v.p_read = 1;
+    if (v.p_trace < 1e-4f) v.p_trace = 0;
     return v;
 }
 
@@ -181,14 +195,14 @@ V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Pa
     if (!light) return V3f(0);
     const V3f wi = v.at.frame.local_from_world(light->direction);
     if (wi.z * v.at.ng.dot(light->direction) <= 0) return V3f(0);
-    V3f scattered = v.p_read > 0 ? read_value(v, wi).value : V3f(0);
+    V3f scattered = v.reads() ? read_value(v, wi).value : V3f(0);
     if constexpr (!kDiffuseOnly)
-        if (v.p_read < 1) {
+        if (v.p_trace > 0) {
             const BsdfValue traced = value_and_pdf_bsdf<Lobes>(v.traced, v.at.wo_local, wi);
-            const float weight = light->pdf_solid_angle > 0
-                                     ? detail::mis_weight(light->pdf_solid_angle,
-                                                          traced.pdf_solid_angle * (1 - v.p_read))
-                                     : 1;
+            const float weight =
+                light->pdf_solid_angle > 0
+                    ? detail::mis_weight(light->pdf_solid_angle, traced.pdf_solid_angle * v.p_trace)
+                    : 1;
             scattered += traced.value * weight;
         }
     if (detail::is_black(scattered)) return V3f(0);
@@ -323,11 +337,11 @@ bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, cons
 template<uint32_t Lobes, uint32_t Attributes>
 bool ReadKernel<Lobes, Attributes>::continue_traced(const PartedVertex& v, Path& path,
                                                     const PixelRandom& random) const {
-    const RandomFloats u = random.block(path.block(2));
-    const float p = 1 - v.p_read;
-    const float u_lobe = std::min((u[0] - v.p_read) / p, 0x1.fffffep-1f);
-    const auto next =
-        sample_bsdf<Lobes>(v.traced, v.at.wo_local, std::max(u_lobe, 0.0f), {u[1], u[2]});
+    const RandomFloats u = random.block(path.block(5));
+    const float p = v.p_trace;
+    if (!(u[0] < p)) return false;
+    const float u_lobe = std::min(u[0] / p, 0x1.fffffep-1f);
+    const auto next = sample_bsdf<Lobes>(v.traced, v.at.wo_local, u_lobe, {u[1], u[2]});
     if (!next) return false;
     const V3f wi = v.at.frame.world_from_local(next->wi);
     if ((wi.dot(v.at.ng) > 0) == next->transmitted) return false;
@@ -363,43 +377,50 @@ void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
         if (path.scatterings == config.max_depth) return;
         const float u_glossy =
             config.glossy_high > config.glossy_low ? random.block(path.block(3))[2] : 0;
-        const PartedVertex v =
-            part(path_vertex<Attributes>(m_world, point, material, -path.ray.direction), u_glossy);
+        const bool open =
+            !m_context.sides ||
+            m_context.sides->is_open(point.surface, point.ng.dot(path.ray.direction) < 0);
+        const PartedVertex v = part(
+            path_vertex<Attributes>(m_world, point, material, -path.ray.direction), open, u_glossy);
         if (!m_context.lights.empty()) {
             const V3f light = detail::times(path.throughput, lit_by_lights(v, path, random));
             (path.scatterings == 0 ? sample.direct : sample.indirect) += light;
         }
 
-        // Follow the lobes that are traced on.
-        const RandomFloats u = random.block(path.block(2));
-        if (!(u[0] < v.p_read)) {
-            if (!continue_traced(v, path, random)) return;
-            continue;
-        }
+        if (v.reads()) read_on(v, path, random, sample);
 
-        // Read the cache, in several directions where the path reads for the first time.
-        const int reads = path.has_read ? 1 : config.reads;
-        const V3f before = path.throughput / (v.p_read * float(reads));
-        for (int r = 0; r < reads; ++r) {
-            // Directions of one vertex are a rotated lattice: Korobov points of the golden ratio.
-            const float shift = float(r) / float(reads);
-            const float golden = float(r) * 0.618034f;
-            V2f at(u[1] + shift, u[2] + golden - std::floor(golden));
-            at.x -= std::floor(at.x);
-            at.y -= std::floor(at.y);
-            const auto next = read_sample(v, at, std::min(u[0] / v.p_read, 0x1.fffffep-1f));
-            if (!next) continue;
-            const V3f wi = v.at.frame.world_from_local(next->wi);
-            if (!(wi.dot(v.at.ng) > 0)) continue;
-            Path branch = path;
-            branch.throughput = detail::times(before, next->weight);
-            if (reads > 1) branch.branch = uint32_t(r) + 1;
-            if (!read(v, branch, wi, random, sample)) continue;
-            ++branch.scatterings;
-            if (!survives(branch, u[3])) continue;
-            follow(branch, random, sample);
-        }
-        return;
+        // Follow the lobes that are traced on.
+        if (v.reads()) path.branch += kTracedBranch;
+        if (!continue_traced(v, path, random)) return;
+    }
+}
+
+// Reads the cache, in several directions where the path reads for the first time, and follows those
+// in which it does not end.
+template<uint32_t Lobes, uint32_t Attributes>
+void ReadKernel<Lobes, Attributes>::read_on(const PartedVertex& v, const Path& path,
+                                            const PixelRandom& random, ReadSample& sample) const {
+    const RandomFloats u = random.block(path.block(2));
+    const int reads = path.has_read ? 1 : m_context.config.reads;
+    const V3f share = path.throughput / float(reads);
+    for (int r = 0; r < reads; ++r) {
+        // Directions of one vertex are a rotated lattice: Korobov points of the golden ratio.
+        const float shift = float(r) / float(reads);
+        const float golden = float(r) * 0.618034f;
+        V2f at(u[1] + shift, u[2] + golden - std::floor(golden));
+        at.x -= std::floor(at.x);
+        at.y -= std::floor(at.y);
+        const auto next = read_sample(v, at, u[0]);
+        if (!next) continue;
+        const V3f wi = v.at.frame.world_from_local(next->wi);
+        if (!(wi.dot(v.at.ng) > 0)) continue;
+        Path branch = path;
+        branch.throughput = detail::times(share, next->weight);
+        if (reads > 1) branch.branch = uint32_t(r) + 1;
+        if (!read(v, branch, wi, random, sample)) continue;
+        ++branch.scatterings;
+        if (!survives(branch, u[3])) continue;
+        follow(branch, random, sample);
     }
 }
 

@@ -112,8 +112,8 @@ void sample_cache(benchmark::State& state) {
     config.spp = 8;
     double samples = 0;
     for (auto _ : state) {
-        sample_frame(closed_box().posed, camera(128), table, nullptr, fresh_seeds(0, 0, 128, 128),
-                     config, kWorkers, progress);
+        sample_frame(closed_box().posed, camera(128), table, nullptr, nullptr,
+                     fresh_seeds(0, 0, 128, 128), config, kWorkers, progress);
         samples += 128 * 128 * 8;
     }
     state.counters["samples/s"] = benchmark::Counter(samples, benchmark::Counter::kIsRate);

@@ -144,13 +144,12 @@ void edit(LightCache& cache, uint32_t what, uint32_t where, uint32_t value) {
 
 void sample(const LightCache& cache) {
     const World2x2& w = world();
-    const bool can_shrink = cache.header.patches % 2 == 0;
-    const ReadTable table(cache, w.space, w.posed.lights(), {can_shrink ? 1.0 : 0.0}, w.workers);
+    const ReadTable table(cache, w.space, w.posed.lights(), {1}, w.workers);
     SampleConfig config;
     config.read.max_depth = std::min(cache.header.max_depth, 4);
     Progress quiet;
-    fuzz::check_picture(sample_frame(w.posed, w.camera, table, nullptr, fresh_seeds(1, 0, 2, 2),
-                                     config, w.workers, quiet)
+    fuzz::check_picture(sample_frame(w.posed, w.camera, table, nullptr, nullptr,
+                                     fresh_seeds(1, 0, 2, 2), config, w.workers, quiet)
                             .image,
                         "Linespace");
 }

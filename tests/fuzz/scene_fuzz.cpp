@@ -68,7 +68,8 @@ void render_linespace(const Stage& s) {
     SampleConfig sample;
     sample.read.max_depth = cache.header.max_depth;
     fuzz::check_picture(
-        sample_frame(s.posed, s.camera, table, nullptr, s.seeds, sample, s.workers, quiet).image,
+        sample_frame(s.posed, s.camera, table, nullptr, nullptr, s.seeds, sample, s.workers, quiet)
+            .image,
         "Linespace");
 }
 

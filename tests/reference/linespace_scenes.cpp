@@ -1,5 +1,7 @@
 #include "reference/linespace_scenes.h"
 
+#include <array>
+
 namespace ql::reference {
 
 namespace {
@@ -20,6 +22,25 @@ void add_quad(Scene& scene, int material, const V3f& corner, const V3f& u, const
     mesh.material = material;
     mesh.positions = {corner, corner + u, corner + u + v, corner + v};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.meshes = {int(scene.meshes.size()) - 1};
+    scene.nodes.push_back(node);
+}
+
+// A cube as one mesh, fronts outside.
+void add_block(Scene& scene, int material, const V3f& lower, float side) {
+    Mesh mesh;
+    mesh.material = material;
+    for (int i = 0; i < 8; ++i)
+        mesh.positions.push_back(lower +
+                                 V3f(float(i & 1), float(i >> 1 & 1), float(i >> 2)) * side);
+    for (const auto& [a, b, c, d] :
+         {std::array{0u, 4u, 6u, 2u}, std::array{1u, 3u, 7u, 5u}, std::array{0u, 1u, 5u, 4u},
+          std::array{2u, 6u, 7u, 3u}, std::array{0u, 2u, 3u, 1u}, std::array{4u, 5u, 7u, 6u}}) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    }
     scene.meshes.push_back(mesh);
     Node node;
     node.meshes = {int(scene.meshes.size()) - 1};
@@ -49,6 +70,7 @@ Scene box_scene(const BoxScene& box) {
     if (box.has_plate)
         add_quad(scene, wall, V3f(0.35f, 0.06f, 0.35f) * s, V3f(0, 0, 0.3f) * s,
                  V3f(0.3f, 0, 0) * s);
+    if (box.has_block) add_block(scene, wall, V3f(0.3f, -0.001f, 0.25f) * s, 0.3f * s);
     for (const BoxScene::PointLight& light : box.lights) {
         Light point;
         point.intensity = V3d(light.intensity * box.size * box.size);

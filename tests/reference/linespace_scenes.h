@@ -13,6 +13,7 @@ struct BoxScene {
     V3f left = {0, 0, 0}; // albedo of the wall at x = 0, if not black
     V3f emission = {0, 0, 0};
     bool has_plate = false;  // 0.3 wide, 0.06 above the middle of the floor, of no thickness
+    bool has_block = false;  // 0.3 wide and high, its underside just below the floor
     bool has_mirror = false; // the wall at z = 0 is a perfect mirror
     struct PointLight {
         V3d position;     // in units of size

@@ -73,8 +73,8 @@ Image sampled(const Change& change) {
     SampleConfig config;
     config.read.max_depth = cache.header.max_depth;
     Progress quiet;
-    return sample_frame(stage.posed, stage.camera, table, nullptr, fresh_seeds(1, 0, 12, 12),
-                        config, kWorkers, quiet)
+    return sample_frame(stage.posed, stage.camera, table, nullptr, nullptr,
+                        fresh_seeds(1, 0, 12, 12), config, kWorkers, quiet)
         .image;
 }
 

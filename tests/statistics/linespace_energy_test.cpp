@@ -65,9 +65,9 @@ Image path_traced(const Posed& p, double size, int depth, int spp) {
 }
 
 Image cache_sampled(const Posed& p, const LightCache& cache, double size, int spp,
-                    ReadConfig read = {}) {
+                    ReadConfig read = {}, double smoothing = 0) {
     Progress progress;
-    const ReadTable table(cache, p.space, p.posed.lights(), {}, kWorkers);
+    const ReadTable table(cache, p.space, p.posed.lights(), {smoothing}, kWorkers);
     SampleConfig config;
     config.read = read;
     config.read.max_depth = cache.header.max_depth;
@@ -75,7 +75,8 @@ Image cache_sampled(const Posed& p, const LightCache& cache, double size, int sp
     config.read.reads = 4;
     config.spp = spp;
     config.layers = kLayerDirect | kLayerIndirect | kLayerCached;
-    return sample_frame(p.posed, camera_of(p, size, kPixels), table, nullptr,
+    const OpenSides sides(p.posed.rays(), LightEmission(p.posed.lights()), kWorkers);
+    return sample_frame(p.posed, camera_of(p, size, kPixels), table, nullptr, &sides,
                         fresh_seeds(4, 0, kPixels, kPixels), config, kWorkers, progress)
         .image;
 }
@@ -89,8 +90,10 @@ InjectConfig injection(int voxels, int patches, uint64_t photons, int depth) {
     return config;
 }
 
-double indirect_ratio(const Posed& p, const InjectConfig& config, double expected) {
-    return mean_of(cache_sampled(p, inject(p, config), 1, 48), "indirect") / expected;
+double indirect_ratio(const Posed& p, const InjectConfig& config, double expected,
+                      double smoothing = 0) {
+    return mean_of(cache_sampled(p, inject(p, config), 1, 48, {}, smoothing), "indirect") /
+           expected;
 }
 
 double path_traced_indirect(const Posed& p, int depth) {
@@ -108,10 +111,12 @@ TEST(LinespaceEnergy, OfAFurnaceIsTheClosedForm) {
             const V3f radiance = table.radiance(v, cache.shafts[i]);
             const double m = double(cache.measures[i]);
             light += double(radiance.x) * m * std::ldexp(1.0, p.posed.lights().exponent());
-            measure += m;
         }
-    // Both sides of the walls shine, and the outside reflects nothing back: photons that start
-    // outside leave. Measures of shafts that saw light are those of the inside.
+    // The measure of a voxel counts its dark shafts too. Both sides of the walls shine, and the
+    // outside reflects nothing back: photons that start outside leave, that side is closed.
+    const ShaftGroups groups(cache.header.patches, cache.header.normal_classes);
+    for (size_t g = 0; g < cache.groups.size(); ++g)
+        if (groups.is_voxel(cache.groups[g])) measure += double(cache.group_measures[g]);
     EXPECT_NEAR(light / measure, 1, 0.01);
 }
 
@@ -140,6 +145,36 @@ TEST(LinespaceEnergy, MeanOfIndirectLightIsThatOfPathTracing) {
         EXPECT_NEAR(indirect_ratio(p, injection(voxels, 4, 400000, 6), expected), 1, 0.015)
             << voxels << " voxels, " << count << " lights";
     }
+}
+
+TEST(LinespaceEnergy, DoesNotDependOnHowPhotonsAreSplit) {
+    const Posed p(reference::box_scene({.albedo = 0.5f, .lights = {{{0.5, 0.6, 0.5}, 1}}}));
+    InjectConfig config = injection(6, 2, 100000, 6);
+    config.branches = 1;
+    const LightCache whole = inject(p, config);
+    config.branches = 16;
+    const LightCache split = inject(p, config);
+    for (size_t order = 0; order < whole.header.weight_by_order.size(); ++order)
+        EXPECT_NEAR(double(split.header.weight_by_order[order]) /
+                        double(whole.header.weight_by_order[order]),
+                    1, 0.03)
+            << order;
+    uint64_t deposits[2] = {0, 0};
+    for (const uint32_t count : whole.counts)
+        deposits[0] += count;
+    for (const uint32_t count : split.counts)
+        deposits[1] += count;
+    EXPECT_GT(deposits[1], 14 * deposits[0]);
+}
+
+TEST(LinespaceEnergy, OfAFloorUnderABlockIsThatOfPathTracing) {
+    // The floor inside the block is seen by nobody: its lines must not count.
+    const BoxScene box{.albedo = 0.7f, .has_block = true, .lights = {{{0.5, 0.8, 0.5}, 1}}};
+    const Posed p(reference::box_scene(box));
+    const double expected = path_traced_indirect(p, 6);
+    for (const double smoothing : {0.0, 1e6})
+        EXPECT_NEAR(indirect_ratio(p, injection(6, 4, 300000, 6), expected, smoothing), 1, 0.02)
+            << smoothing;
 }
 
 TEST(LinespaceEnergy, DoesNotDependOnTheUnitOfLengthNorOnHowALightIsSplit) {
@@ -214,7 +249,7 @@ TEST(LinespaceSampling, CandidatesAndTreeGiveTheSameImage) {
     config.spp = 16;
     Progress progress;
     const auto image = [&](const ShaftCandidates* c) {
-        return sample_frame(p.posed, camera_of(p, 1, kPixels), table, c,
+        return sample_frame(p.posed, camera_of(p, 1, kPixels), table, c, nullptr,
                             fresh_seeds(4, 0, kPixels, kPixels), config, kWorkers, progress)
             .image;
     };

@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "linespace/accumulate.h"
 #include "linespace/cache_file.h"
+#include "linespace/groups.h"
 #include "sampling/random.h"
 
 #include <gtest/gtest.h>
@@ -39,6 +40,19 @@ std::vector<Deposit> random_deposits(size_t count, uint64_t seed) {
     return deposits;
 }
 
+// Groups of all shafts, with measures of their own.
+void add_groups(LightCache& cache) {
+    const ShaftGroups groups(cache.header.patches, cache.header.normal_classes);
+    cache.group_first.assign(1, 0);
+    for (size_t v = 0; v < cache.header.voxel_count(); ++v) {
+        for (const uint32_t group : groups.holding(cache.gated_shafts_of(v))) {
+            cache.groups.push_back(group);
+            cache.group_measures.push_back(2 + float(group));
+        }
+        cache.group_first.push_back(cache.groups.size());
+    }
+}
+
 LightCache cache_of(const std::vector<std::vector<Deposit>>& rounds, size_t chunk,
                     const Workers& workers) {
     LightCache cache;
@@ -53,6 +67,7 @@ LightCache cache_of(const std::vector<std::vector<Deposit>>& rounds, size_t chun
     }
     sums.move_to(cache);
     cache.measures.assign(cache.size(), 0.5f);
+    add_groups(cache);
     return cache;
 }
 
@@ -63,6 +78,9 @@ void expect_equal(const LightCache& a, const LightCache& b) {
     EXPECT_EQ(a.counts, b.counts);
     EXPECT_EQ(a.sums, b.sums);
     EXPECT_EQ(a.measures, b.measures);
+    EXPECT_EQ(a.group_first, b.group_first);
+    EXPECT_EQ(a.groups, b.groups);
+    EXPECT_EQ(a.group_measures, b.group_measures);
 }
 
 TEST(ShaftAccumulator, AddsUpLikeAMapWhateverTheRoundsAndThreads) {
@@ -171,6 +189,17 @@ TEST_F(CacheFile, ReadsBackWhatWasWritten) {
     cache.measures[3] = 1e-30f;
     write_cache(path, cache);
     expect_equal(cache, read_cache(path));
+}
+
+TEST_F(CacheFile, RefusesGroupsThatAreNotThoseOfTheShafts) {
+    LightCache cache = cache_of({random_deposits(300, 2)}, 500, Workers(1));
+    cache.groups[2] += 1; // still in order
+    write_cache(path, cache);
+    EXPECT_THROW(read_cache(path), Error);
+    cache = cache_of({random_deposits(300, 2)}, 500, Workers(1));
+    cache.group_measures[1] = 0;
+    write_cache(path, cache);
+    EXPECT_THROW(read_cache(path), Error);
 }
 
 TEST_F(CacheFile, RefusesEveryFlippedByteAndEveryShorterFile) {

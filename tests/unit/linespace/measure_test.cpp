@@ -1,4 +1,5 @@
 #include "linespace/candidates.h"
+#include "linespace/etendue.h"
 #include "linespace/measure.h"
 #include "reference/linespace_scenes.h"
 #include "render/posed_scene.h"
@@ -48,7 +49,8 @@ double without_added_hits(double share) {
 std::vector<double> measures_of(const PosedScene& scene, LightCache& cache) {
     const Workers workers(2);
     Progress progress;
-    measure_shafts(scene.world(), nullptr, {kLines, 1000000}, cache, workers, progress);
+    const OpenSides sides(scene.rays(), LightEmission(scene.lights()), workers);
+    measure_shafts(scene.world(), sides, nullptr, {kLines, 1000000}, cache, workers, progress);
     const EtendueTable etendue(cache.header.cell, cache.header.patches);
     std::vector<double> measures(cache.size());
     for (size_t i = 0; i < cache.size(); ++i) {
@@ -121,6 +123,47 @@ TEST(Measure, AgreesWithPointsOnTheSurfacesWhereAPlateHidesTheFloor) {
     }
     EXPECT_NEAR(sum / expected, 1, 0.01);
     EXPECT_LT(difference / expected, 0.08);
+}
+
+// The measure of a group is that of its shafts together, and of a voxel that of its face pairs.
+TEST(Measure, OfGroupsIsTheSumOfTheirMembers) {
+    const Scene scene = reference::box_scene({.has_plate = true});
+    const Workers workers(2);
+    const PosedScene posed(scene, render_space_of(scene, workers), 0, workers);
+    const VoxelGrid grid = grid_over(posed.world(), {{2, 2, 2}, 0});
+    LightCache cache = full_cache(grid, posed.world().space, 3);
+    const std::vector<double> shafts = measures_of(posed, cache);
+    const ShaftGroups groups(3, 1);
+    std::vector<double> expected(groups.size()), measured(groups.size());
+    for (size_t i = 0; i < shafts.size(); ++i) {
+        const uint32_t group = groups.of_shaft(cache.shafts[i]);
+        expected[group] += shafts[i];
+        expected[*groups.of_group(group)] += shafts[i];
+    }
+    for (size_t g = 0; g < cache.groups.size(); ++g)
+        measured[cache.groups[g]] += double(cache.group_measures[g]);
+    const double whole = expected.back();
+    EXPECT_NEAR(measured.back() / whole, 1, 0.01);
+    for (size_t g = 0; g < groups.size(); ++g)
+        EXPECT_NEAR(measured[g] / whole, expected[g] / whole, 0.01) << g;
+}
+
+TEST(ShaftGroups, HoldTheShaftsBetweenTheirFaces) {
+    for (const int patches : {1, 2, 5}) {
+        const ShaftGroups groups(patches, 6);
+        const uint32_t directed = directed_shaft_count(patches);
+        for (uint32_t number = 0; number < 6 * directed; number += 7) {
+            const ShaftEnds ends = shaft_ends(number % directed, patches);
+            const uint32_t pair = directed_shaft({ends.entry_face, 0, ends.exit_face, 0}, 1);
+            const uint32_t group = groups.of_shaft(number);
+            EXPECT_EQ(group, pair + 30 * (number / directed));
+            const auto voxel = groups.of_group(group);
+            ASSERT_TRUE(voxel);
+            EXPECT_TRUE(groups.is_voxel(*voxel) && !groups.of_group(*voxel));
+            EXPECT_EQ(groups.class_of(*voxel), number / directed);
+            EXPECT_EQ(groups.holding(std::vector{number}), (std::vector{group, *voxel}));
+        }
+    }
 }
 
 TEST(VoxelPrimitives, HoldEveryPointOfTheSurfaces) {

@@ -1,0 +1,187 @@
+#include "linespace/line_hits.h"
+
+#include "geometry/quadric.h"
+#include "linespace/vertex.h"
+
+#include <algorithm>
+
+namespace ql {
+
+LineHits::LineHits(const World& world, const OpenSides& sides, const AlphaTest* alpha_test,
+                   const VoxelGrid& grid, uint32_t voxel, std::span<const Primitive> primitives,
+                   int normal_classes)
+    : m_world(world), m_sides(sides), m_alpha_test(alpha_test), m_lower(grid.corner(voxel)),
+      m_cell(grid.cell), m_classes(normal_classes) {
+    for (const Primitive& primitive : primitives) {
+        const Surface& surface = world.surfaces[primitive.surface];
+        const Material& material = world.scene->materials[size_t(surface.material)];
+        if (surface.kind != Surface::Kind::triangles) {
+            m_shapes.push_back({&surface, takes_light(material)});
+            continue;
+        }
+        m_triangles.push_back(local_triangle(primitive, normal_classes));
+        m_has_alpha |= m_triangles.back().alpha < 1;
+    }
+}
+
+auto LineHits::local_triangle(const Primitive& primitive, int classes) const -> LocalTriangle {
+    const Surface& surface = m_world.surfaces[primitive.surface];
+    const Material& material = m_world.scene->materials[size_t(surface.material)];
+    const auto corners = triangle_corners(m_world, primitive.surface, primitive.triangle);
+    LocalTriangle triangle;
+    std::array<V3d, 3> local;
+    for (size_t i = 0; i < 3; ++i) {
+        const V3d p = V3d(corners[i]) - m_lower;
+        local[i] = {p.x / m_cell.x, p.y / m_cell.y, p.z / m_cell.z};
+    }
+    triangle.corner = V3f(local[0]);
+    triangle.edge1 = V3f(local[1] - local[0]);
+    triangle.edge2 = V3f(local[2] - local[0]);
+    for (int axis = 0; axis < 3; ++axis) {
+        triangle.low[axis] =
+            float(std::min({local[0][axis], local[1][axis], local[2][axis]}) - 1e-5);
+        triangle.high[axis] =
+            float(std::max({local[0][axis], local[1][axis], local[2][axis]}) + 1e-5);
+    }
+    const V3d normal = (V3d(corners[1]) - V3d(corners[0])).cross(V3d(corners[2]) - V3d(corners[0]));
+    triangle.normal = triangle.edge1.cross(triangle.edge2);
+    // Corners of mirrored instances run the other way around.
+    const bool ccw_is_front = surface.winding > 0;
+    if (takes_light(material)) {
+        if (m_sides.is_open(primitive.surface, ccw_is_front))
+            triangle.front_class = normal_class(normal, classes);
+        if (m_sides.is_open(primitive.surface, !ccw_is_front))
+            triangle.back_class = normal_class(-normal, classes);
+    }
+    triangle.primitive = primitive;
+    if (material.alpha_mode != AlphaMode::opaque) triangle.alpha = 0.5f;
+    return triangle;
+}
+
+void LineHits::choose(const V3f& low, const V3f& high) {
+    m_chosen.clear();
+    for (const LocalTriangle& t : m_triangles)
+        if (t.low.x <= high.x && t.high.x >= low.x && t.low.y <= high.y && t.high.y >= low.y &&
+            t.low.z <= high.z && t.high.z >= low.z)
+            m_chosen.push_back(&t);
+}
+
+// Moeller & Trumbore, "Fast, minimum storage ray/triangle intersection", JGT 2 (1997).
+void LineHits::intersect(const LocalTriangle& triangle, const LineBlock& lines, Intersections& at) {
+    const V3f p0 = triangle.corner, e1 = triangle.edge1, e2 = triangle.edge2;
+    for (size_t i = 0; i < kLinesPerBlock; ++i) {
+        const float px = lines.dy[i] * e2.z - lines.dz[i] * e2.y;
+        const float py = lines.dz[i] * e2.x - lines.dx[i] * e2.z;
+        const float pz = lines.dx[i] * e2.y - lines.dy[i] * e2.x;
+        const float det = e1.x * px + e1.y * py + e1.z * pz;
+        const float sx = lines.ox[i] - p0.x, sy = lines.oy[i] - p0.y, sz = lines.oz[i] - p0.z;
+        const float inverse = 1 / det;
+        const float bu = (sx * px + sy * py + sz * pz) * inverse;
+        const float qx = sy * e1.z - sz * e1.y;
+        const float qy = sz * e1.x - sx * e1.z;
+        const float qz = sx * e1.y - sy * e1.x;
+        const float bv = (lines.dx[i] * qx + lines.dy[i] * qy + lines.dz[i] * qz) * inverse;
+        const float t = (e2.x * qx + e2.y * qy + e2.z * qz) * inverse;
+        const bool hit = (bu >= 0) & (bv >= 0) & (bu + bv <= 1) & (t >= 0) & (t <= 1);
+        at.t[i] = hit ? t : 2;
+        at.u[i] = bu;
+        at.v[i] = bv;
+    }
+}
+
+void LineHits::visit_first(const LineBlock& lines, const Sink& sink) const {
+    if (m_has_alpha || !m_shapes.empty()) return visit_hits(lines, true, sink);
+    std::array<float, kLinesPerBlock> nearest_t;
+    std::array<int, kLinesPerBlock> nearest;
+    nearest_t.fill(2);
+    nearest.fill(-1);
+    Intersections at;
+    for (size_t n = 0; n < m_chosen.size(); ++n) {
+        intersect(*m_chosen[n], lines, at);
+        for (size_t i = 0; i < kLinesPerBlock; ++i) {
+            const bool nearer = at.t[i] < nearest_t[i];
+            nearest_t[i] = nearer ? at.t[i] : nearest_t[i];
+            nearest[i] = nearer ? int(n) : nearest[i];
+        }
+    }
+    for (size_t i = 0; i < kLinesPerBlock; ++i) {
+        if (nearest[i] < 0) continue;
+        const LocalTriangle& triangle = *m_chosen[size_t(nearest[i])];
+        const int found = triangle.class_towards({lines.dx[i], lines.dy[i], lines.dz[i]});
+        if (found >= 0 && is_open(lines, i)) sink(i, found, 1);
+    }
+}
+
+void LineHits::visit_all(const LineBlock& lines, const Sink& sink) const {
+    visit_hits(lines, false, sink);
+}
+
+void LineHits::visit_hits(const LineBlock& lines, bool first_only, const Sink& sink) const {
+    std::array<std::vector<LineHit>, kLinesPerBlock> found;
+    Intersections at;
+    for (const LocalTriangle* triangle : m_chosen) {
+        intersect(*triangle, lines, at);
+        for (size_t i = 0; i < kLinesPerBlock; ++i)
+            if (at.t[i] <= 1)
+                found[i].push_back(
+                    {at.t[i], alpha_of(*triangle, at.u[i], at.v[i]),
+                     triangle->class_towards({lines.dx[i], lines.dy[i], lines.dz[i]})});
+    }
+    for (const LocalShape& shape : m_shapes)
+        for (size_t i = 0; i < kLinesPerBlock; ++i)
+            add_shape_hits(shape, lines, i, found[i]);
+
+    for (size_t i = 0; i < kLinesPerBlock; ++i) {
+        std::sort(found[i].begin(), found[i].end(),
+                  [](const LineHit& a, const LineHit& b) { return a.t < b.t; });
+        if (found[i].empty() || !is_open(lines, i)) continue;
+        double passed = 1;
+        for (const LineHit& hit : found[i]) {
+            const double share = (first_only ? passed : 1) * double(hit.alpha);
+            if (hit.normal_class >= 0 && share > 0) sink(i, hit.normal_class, share);
+            passed *= 1 - double(hit.alpha);
+        }
+    }
+}
+
+// The share of rays that the surface stops there: bisects the decision of the alpha test.
+float LineHits::alpha_of(const LocalTriangle& triangle, float u, float v) const {
+    if (triangle.alpha == 1 || !m_alpha_test) return 1;
+    float low = 0, high = 1;
+    for (int i = 0; i < 8; ++i) {
+        const float middle = (low + high) / 2;
+        const bool solid = m_alpha_test->is_solid(m_world, triangle.primitive.surface,
+                                                  triangle.primitive.triangle, u, v, middle);
+        (solid ? low : high) = middle;
+    }
+    return low == 0 ? 0 : high == 1 ? 1 : low;
+}
+
+bool LineHits::is_open(const LineBlock& lines, size_t i) const {
+    const auto to_render = [&](float x, float y, float z) {
+        return V3d(double(x) * m_cell.x, double(y) * m_cell.y, double(z) * m_cell.z);
+    };
+    return m_sides.leads_out(m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]),
+                             -to_render(lines.dx[i], lines.dy[i], lines.dz[i]));
+}
+
+void LineHits::add_shape_hits(const LocalShape& shape, const LineBlock& lines, size_t i,
+                              std::vector<LineHit>& found) const {
+    const auto to_render = [&](float x, float y, float z) {
+        return V3d(double(x) * m_cell.x, double(y) * m_cell.y, double(z) * m_cell.z);
+    };
+    const V3d o = m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]);
+    const V3d d = to_render(lines.dx[i], lines.dy[i], lines.dz[i]);
+    double from = 0;
+    while (const auto hit =
+               intersect_shape(*shape.surface->implicit, shape.surface->body_from_render.point(o),
+                               shape.surface->body_from_render.vector(d), from, 1)) {
+        V3f normal = detail::transformed(shape.surface->render_from_normal, V3f(hit->normal));
+        if (normal.dot(V3f(d)) > 0) normal = -normal;
+        found.push_back(
+            {float(hit->t), 1, shape.takes_light ? normal_class(normal, m_classes) : -1});
+        from = hit->t + 1e-9;
+    }
+}
+
+} // namespace ql

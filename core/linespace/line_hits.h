@@ -1,0 +1,84 @@
+// What lines through a voxel meet there, as far as light can come along them (open_sides.h).
+//
+// Triangles are tested against blocks of lines, in the coordinates of the voxel. Surfaces with an
+// alpha count with the share of rays that they stop. The world must outlive it; not to be shared
+// between threads.
+#pragma once
+
+#include "geometry/embree_scene.h"
+#include "linespace/lines.h"
+#include "linespace/open_sides.h"
+#include "linespace/voxel_primitives.h"
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace ql {
+
+class LineHits {
+  public:
+    // alpha_test may be null where no material has an alpha mode.
+    LineHits(const World& world, const OpenSides& sides, const AlphaTest* alpha_test,
+             const VoxelGrid& grid, uint32_t voxel, std::span<const Primitive> primitives,
+             int normal_classes);
+
+    // Lines inside this box follow.
+    void choose(const V3f& low, const V3f& high);
+
+    // Calls sink(line, normal_class, share) for the first surface of each line, if it takes light,
+    // or for every surface that does. share: of the rays that get there and end there.
+    using Sink = std::function<void(size_t line, int normal_class, double share)>;
+    void visit_first(const LineBlock& lines, const Sink& sink) const;
+    void visit_all(const LineBlock& lines, const Sink& sink) const;
+
+  private:
+    // A primitive in the coordinates of its voxel.
+    struct LocalTriangle {
+        V3f corner, edge1, edge2;
+        V3f low, high; // its box
+        Primitive primitive;
+        V3f normal; // edge1 x edge2
+        int front_class = -1, back_class = -1;
+        float alpha = 1; // below 1: ask the alpha test
+
+        // Class of the normal on the side that a line of direction d comes from; -1 where that side
+        // takes no light.
+        int class_towards(const V3f& d) const {
+            return normal.dot(d) < 0 ? front_class : back_class;
+        }
+    };
+    struct LocalShape {
+        const Surface* surface;
+        bool takes_light;
+    };
+    struct LineHit {
+        float t;
+        float alpha;
+        int normal_class; // -1: takes no light there
+    };
+    struct Intersections {
+        std::array<float, kLinesPerBlock> t, u, v; // t is above 1 where the triangle is missed
+    };
+
+    LocalTriangle local_triangle(const Primitive& primitive, int classes) const;
+    static void intersect(const LocalTriangle& triangle, const LineBlock& lines, Intersections& at);
+    void visit_hits(const LineBlock& lines, bool first_only, const Sink& sink) const;
+    float alpha_of(const LocalTriangle& triangle, float u, float v) const;
+    void add_shape_hits(const LocalShape& shape, const LineBlock& lines, size_t i,
+                        std::vector<LineHit>& found) const;
+
+    bool is_open(const LineBlock& lines, size_t i) const;
+
+    const World& m_world;
+    const OpenSides& m_sides;
+    const AlphaTest* m_alpha_test;
+    V3d m_lower, m_cell;
+    int m_classes;
+    std::vector<LocalTriangle> m_triangles;
+    std::vector<LocalShape> m_shapes;
+    bool m_has_alpha = false;
+    std::vector<const LocalTriangle*> m_chosen;
+};
+
+} // namespace ql
