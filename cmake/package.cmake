@@ -1,8 +1,9 @@
 # A Debian package: `cpack -G DEB --config build/release/CPackConfig.cmake`. Its dependencies are
 # those of the libraries that the tools are linked with.
-install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(DIRECTORY examples/scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+install(DIRECTORY examples/overview/images DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/overview)
 
 # The version comes from git: v1.2.3 is 1.2.3, and five commits later 1.2.3+5.gabc1234. Before the
 # first tag it is that of project() with the number of commits, which sorts before the release:
