@@ -15,7 +15,7 @@ namespace {
 
 using namespace ql;
 
-constexpr double kDefaultSmoothing = 64;
+constexpr double kDefaultSmoothing = 1000;
 
 // A length in metres or in voxels.
 struct Length {
@@ -84,7 +84,7 @@ void declare_reading(cli::Tool& tool, Options& o) {
             "Photons a shaft with which it and the shafts around it weigh the same; 0: each "
             "by itself; needs a cache of the estimator energy")
         ->check(CLI::Range(0.0, 1e9))
-        ->default_str("64");
+        ->default_str("1000");
     tool.app
         .add_option_function<std::vector<float>>(
             "--glossy",
