@@ -55,7 +55,7 @@ ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, int normal_
 }
 
 // Measures of groups, in the order of groups; unit of cell. Lines through the whole voxel go on
-// until every class that is asked for has been met often enough.
+// until every class that is there has been met often enough.
 std::vector<double> group_measures(std::span<const uint32_t> groups, const ShaftGroups& all,
                                    const V3d& cell, uint32_t voxel, LineHits& surfaces,
                                    const MeasureConfig& config, uint64_t& lines_total) {
@@ -71,10 +71,12 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
     };
     constexpr int kStep = 16; // blocks
     int lines = 0;
+    // A function of the voxel alone, not of the groups that are asked for: shards must agree.
     const auto is_enough = [&] {
-        return std::all_of(groups.begin(), groups.end(), [&](uint32_t group) {
-            return !all.is_voxel(group) || met[group] >= config.enough_voxel_hits;
-        });
+        for (uint32_t group = 0; group < all.size(); ++group)
+            if (all.is_voxel(group) && met[group] > 0 && met[group] < config.enough_voxel_hits)
+                return false;
+        return lines >= config.least_voxel_lines;
     };
     while (lines < config.max_voxel_lines && !is_enough())
         for (int i = 0; i < kStep; ++i, lines += kLinesPerBlock) {
