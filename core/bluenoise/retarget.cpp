@@ -27,6 +27,13 @@ int longest_move(const Array2D<Imath::V2i>& moves) {
     return longest;
 }
 
+// The seed that a tile's texture brings to a place: where it stands in its tile, as a distance in
+// memory from the tile's corner, and how many tiles to the right and down it ends.
+struct Arrival {
+    uint32_t from;
+    int16_t right, down;
+};
+
 // One place of a tile: in which tile does each tile's seed for that place end?
 class PlaceAssignment {
   public:
@@ -114,42 +121,63 @@ retargeted_seeds_by_tile(const Array2D<uint32_t>& seeds,
     const int columns = width / tile_width, rows = height / tile_height;
     QL_CHECK_EQ(moves_of_tile.size(), size_t(columns) * size_t(rows));
 
-    // Each texture's inverse, once.
+    // What each texture brings to each place, side by side for the textures of a place.
     std::vector<const Array2D<Imath::V2i>*> textures = moves_of_tile;
     std::sort(textures.begin(), textures.end());
     textures.erase(std::unique(textures.begin(), textures.end()), textures.end());
-    std::vector<Array2D<Imath::V2i>> inverses(textures.size());
-    workers.for_each(textures.size(),
-                     [&](size_t i) { inverses[i] = sources(*textures[i], mask_offset); });
-    std::vector<const Array2D<Imath::V2i>*> from_of_tile;
-    for (const auto* moves : moves_of_tile)
-        from_of_tile.push_back(&inverses[size_t(
-            std::lower_bound(textures.begin(), textures.end(), moves) - textures.begin())]);
+    const size_t count = textures.size();
+    std::vector<Arrival> arrivals(size_t(tile_width) * size_t(tile_height) * count);
+    workers.for_each(count, [&](size_t k) {
+        const Array2D<Imath::V2i> from = sources(*textures[k], mask_offset);
+        for (int y = 0; y < tile_height; ++y)
+            for (int x = 0; x < tile_width; ++x) {
+                const int sx = wrap(x + from(x, y).x, tile_width);
+                const int sy = wrap(y + from(x, y).y, tile_height);
+                arrivals[(size_t(y) * size_t(tile_width) + size_t(x)) * count + k] = {
+                    uint32_t(sy) * uint32_t(width) + uint32_t(sx),
+                    int16_t((sx - from(x, y).x - x) / tile_width),
+                    int16_t((sy - from(x, y).y - y) / tile_height)};
+            }
+    });
+    int farthest = 0;
+    for (const Arrival& arrival : arrivals)
+        farthest = std::max({farthest, std::abs(arrival.right), std::abs(arrival.down)});
+
+    // The tiles: their textures, their corners in memory, and the wrapped columns and rows.
+    std::vector<uint32_t> texture_of_tile(moves_of_tile.size());
+    std::vector<size_t> corner(moves_of_tile.size());
+    for (size_t t = 0; t < moves_of_tile.size(); ++t) {
+        texture_of_tile[t] =
+            uint32_t(std::lower_bound(textures.begin(), textures.end(), moves_of_tile[t]) -
+                     textures.begin());
+        corner[t] = t / size_t(columns) * size_t(tile_height) * size_t(width) +
+                    t % size_t(columns) * size_t(tile_width);
+    }
+    std::vector<uint32_t> wrapped_column, first_of_row;
+    for (int c = -farthest; c < columns + farthest; ++c)
+        wrapped_column.push_back(uint32_t(wrap(c, columns)));
+    for (int r = -farthest; r < rows + farthest; ++r)
+        first_of_row.push_back(uint32_t(wrap(r, rows) * columns));
 
     // The tiles' seeds for one place meet each other only: places are independent.
     Array2D<uint32_t> result(width, height);
-    workers.for_each(size_t(tile_height), [&](size_t row) {
-        const int y = int(row);
+    const uint32_t* const in = seeds.values().data();
+    workers.for_each(size_t(tile_height), [&](size_t y) {
         PlaceAssignment place(moves_of_tile.size());
-        for (int x = 0; x < tile_width; ++x) {
+        for (size_t x = 0; x < size_t(tile_width); ++x) {
+            const Arrival* const brought = &arrivals[(y * size_t(tile_width) + x) * count];
             place.clear();
-            for (int t = 0; t < columns * rows; ++t) {
-                // The seed of this tile that comes here stands at (sx, sy) in it
-                const Imath::V2i from = (*from_of_tile[size_t(t)])(x, y);
-                const int sx = wrap(x + from.x, tile_width), sy = wrap(y + from.y, tile_height);
-                const int to_x = wrap(t % columns * tile_width + sx - from.x, width) / tile_width;
-                const int to_y =
-                    wrap(t / columns * tile_height + sy - from.y, height) / tile_height;
-                place.offer(uint32_t(t), uint32_t(to_y * columns + to_x));
-            }
+            uint32_t tile = 0;
+            for (int r = 0; r < rows; ++r)
+                for (int c = 0; c < columns; ++c, ++tile) {
+                    const Arrival& arrival = brought[texture_of_tile[tile]];
+                    place.offer(tile, first_of_row[size_t(r + arrival.down + farthest)] +
+                                          wrapped_column[size_t(c + arrival.right + farthest)]);
+                }
             const std::vector<uint32_t>& source = place.sources();
-            for (int t = 0; t < columns * rows; ++t) {
-                const int s = int(source[size_t(t)]);
-                const Imath::V2i from = (*from_of_tile[size_t(s)])(x, y);
-                result(t % columns * tile_width + x, t / columns * tile_height + y) =
-                    seeds(s % columns * tile_width + wrap(x + from.x, tile_width),
-                          s / columns * tile_height + wrap(y + from.y, tile_height));
-            }
+            uint32_t* const out = result.values().data() + y * size_t(width) + x;
+            for (size_t t = 0; t < source.size(); ++t)
+                out[corner[t]] = in[corner[source[t]] + brought[texture_of_tile[source[t]]].from];
         }
     });
     return result;

@@ -119,12 +119,7 @@ class Sorter {
             for (size_t px = 0; px < m_phases_x.starts.size(); ++px)
                 fill_order(px, py);
         });
-        workers.for_each(size_t(m_rows), [&](size_t row) {
-            if (!m_surfaces.empty() || m_network.empty())
-                sort_row_by_groups(int(row));
-            else
-                sort_row(int(row));
-        });
+        workers.for_each(size_t(m_rows), [&](size_t row) { sort_row(int(row)); });
     }
 
   private:
@@ -189,19 +184,38 @@ class Sorter {
         return size_t(r.x1 - r.x0) * size_t(r.y1 - r.y0) == m_pixels;
     }
 
-    // Blocks of a row by the network, as many at a time as there are lanes.
+    // Blocks of one surface go through the network, as many at a time as there are lanes.
     void sort_row(int row) {
+        std::vector<int> columns;
+        Groups groups;
+        for (int column = 0; column < m_columns; ++column) {
+            if (!m_network.empty() && is_one_surface(rect(column, row)))
+                columns.push_back(column);
+            else
+                sort_by_groups(column, row, groups);
+        }
         std::vector<Key> keys(m_pixels * kLanes, std::bit_cast<Key>(kLastKey));
         std::vector<uint32_t> sorted_seeds(m_pixels);
-        for (int first = 0; first < m_columns; first += int(kLanes)) {
-            const int last = std::min(first + int(kLanes), m_columns);
-            for (int column = first; column < last; ++column)
-                load(rect(column, row), &keys[size_t(column - first)]);
+        for (size_t first = 0; first < columns.size(); first += kLanes) {
+            const size_t last = std::min(first + kLanes, columns.size());
+            for (size_t i = first; i < last; ++i)
+                load(rect(columns[i], row), &keys[i - first]);
             for (const Exchange& exchange : m_network)
                 put_in_order(&keys[exchange.low * kLanes], &keys[exchange.high * kLanes]);
-            for (int column = first; column < last; ++column)
-                store(column, row, &keys[size_t(column - first)], sorted_seeds);
+            for (size_t i = first; i < last; ++i)
+                store(columns[i], row, &keys[i - first], sorted_seeds);
         }
+    }
+
+    bool is_one_surface(const Rect& r) const {
+        if (m_surfaces.empty()) return true;
+        const uint32_t first = m_surfaces(r.x0, r.y0);
+        for (int y = r.y0; y < r.y1; ++y) {
+            const uint32_t* row = m_surfaces.row(y).data();
+            if (!std::all_of(row + r.x0, row + r.x1, [&](uint32_t s) { return s == first; }))
+                return false;
+        }
+        return true;
     }
 
     // Keys of pixels outside the image come last.
@@ -248,35 +262,37 @@ class Sorter {
         return m_surfaces(r.column + m_places[index].x, r.row + m_places[index].y);
     }
 
-    // Orders the pixels by (surface, intensity) and their places by (surface, mask value).
-    void sort_row_by_groups(int row) {
+    struct Groups {
         std::vector<std::pair<uint32_t, Key>> pixels;
         std::vector<std::pair<uint32_t, uint32_t>> places; // surface, index
         std::vector<uint32_t> sorted_seeds;
-        for (int column = 0; column < m_columns; ++column) {
-            const Rect r = rect(column, row);
-            const uint16_t* indices = order(column, row);
-            pixels.clear();
-            places.clear();
-            for (size_t k = 0; k < m_pixels; ++k) {
-                const uint32_t index = indices[k];
-                if (!is_inside(r, index)) continue;
-                const float intensity =
-                    m_intensities(r.column + m_places[index].x, r.row + m_places[index].y);
-                const uint32_t surface = surface_at(r, index);
-                pixels.emplace_back(
-                    surface, sort_key(intensity, seed_at(r, index), m_config.tie_key, index));
-                places.emplace_back(surface, index);
-            }
-            std::sort(pixels.begin(), pixels.end());
-            std::stable_sort(places.begin(), places.end(),
-                             [](const auto& a, const auto& b) { return a.first < b.first; });
-            sorted_seeds.clear();
-            for (const auto& [surface, key] : pixels)
-                sorted_seeds.push_back(seed_at(r, index_of(key)));
-            for (size_t k = 0; k < places.size(); ++k)
-                seed_at(r, places[k].second) = sorted_seeds[k];
+    };
+
+    // Orders the pixels by (surface, intensity) and their places by (surface, mask value).
+    void sort_by_groups(int column, int row, Groups& groups) {
+        auto& [pixels, places, sorted_seeds] = groups;
+        const Rect r = rect(column, row);
+        const uint16_t* indices = order(column, row);
+        pixels.clear();
+        places.clear();
+        for (size_t k = 0; k < m_pixels; ++k) {
+            const uint32_t index = indices[k];
+            if (!is_inside(r, index)) continue;
+            const float intensity =
+                m_intensities(r.column + m_places[index].x, r.row + m_places[index].y);
+            const uint32_t surface = surface_at(r, index);
+            pixels.emplace_back(surface,
+                                sort_key(intensity, seed_at(r, index), m_config.tie_key, index));
+            places.emplace_back(surface, index);
         }
+        std::sort(pixels.begin(), pixels.end());
+        std::stable_sort(places.begin(), places.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+        sorted_seeds.clear();
+        for (const auto& [surface, key] : pixels)
+            sorted_seeds.push_back(seed_at(r, index_of(key)));
+        for (size_t k = 0; k < places.size(); ++k)
+            seed_at(r, places[k].second) = sorted_seeds[k];
     }
 
     Array2D<uint32_t>& m_seeds;

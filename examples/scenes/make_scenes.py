@@ -474,6 +474,19 @@ def room_corner():
     return gltf
 
 
+def flat():
+    """All pixels see the same: a few millimetres of a floor below a strip lamp, which is so placed
+    that the light of its points on the floor is nearly uniform in strength."""
+    gltf = Gltf("Flat scene")
+    floor = [(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)]
+    gltf.node("floor", mesh=gltf.mesh("floor", [floor], lambert(gltf, "white", WHITE), scale=1))
+    lamp = [(0.3, 1, -0.02), (0.6, 1, -0.02), (0.6, 1, 0.02), (0.3, 1, 0.02)]
+    light = emitter(gltf, "lamp", (0, 0, 0), (10, 10, 10))
+    gltf.node("lamp", mesh=gltf.mesh("lamp", [lamp], light, scale=1))
+    gltf.camera("camera", (-0.3, 0.4, 0.1), (0, 0, 0), math.radians(0.3))
+    return gltf
+
+
 def sponza_lights():
     """Lights and cameras only: to be loaded together with Crytek's Sponza (in metres)."""
     gltf = Gltf("Lights and cameras for Sponza")
@@ -510,6 +523,7 @@ def scenes():
     yield "cornell_moving_block", moving_block()
     yield "shapes", shapes()
     yield "room_corner", room_corner()
+    yield "flat", flat()
     yield "sponza_lights", sponza_lights()
 
 

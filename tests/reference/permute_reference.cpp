@@ -59,4 +59,45 @@ Array2D<uint32_t> retargeted_seeds(const Array2D<uint32_t>& seeds, const Array2D
     return result;
 }
 
+Array2D<uint32_t>
+retargeted_seeds_by_tile(const Array2D<uint32_t>& seeds,
+                         const std::vector<const Array2D<Imath::V2i>*>& moves_of_tile,
+                         Imath::V2i mask_offset) {
+    const int tile_width = moves_of_tile[0]->width(), tile_height = moves_of_tile[0]->height();
+    const int columns = seeds.width() / tile_width, rows = seeds.height() / tile_height;
+    std::map<std::pair<int, int>, uint32_t> placed; // by pixel
+    struct Waiting {
+        uint32_t seed;
+        int tile, x, y; // the place in any tile
+    };
+    std::vector<Waiting> waiting, homeless;
+    for (int tile = 0; tile < columns * rows; ++tile)
+        for (int y = 0; y < tile_height; ++y)
+            for (int x = 0; x < tile_width; ++x) {
+                const int sx = tile % columns * tile_width + x;
+                const int sy = tile / columns * tile_height + y;
+                const Imath::V2i move = (*moves_of_tile[size_t(tile)])(
+                    wrap(sx + mask_offset.x, tile_width), wrap(sy + mask_offset.y, tile_height));
+                const int to_x = wrap(sx + move.x, seeds.width());
+                const int to_y = wrap(sy + move.y, seeds.height());
+                if (!placed.emplace(std::pair(to_x, to_y), seeds(sx, sy)).second)
+                    waiting.push_back({seeds(sx, sy), tile, to_x % tile_width, to_y % tile_height});
+            }
+    const auto place = [&](const Waiting& w, int tile) {
+        const int x = tile % columns * tile_width + w.x, y = tile / columns * tile_height + w.y;
+        return placed.emplace(std::pair(x, y), w.seed).second;
+    };
+    for (const Waiting& w : waiting)
+        if (!place(w, w.tile)) homeless.push_back(w);
+    for (const Waiting& w : homeless) {
+        int tile = 0;
+        while (!place(w, tile))
+            ++tile;
+    }
+    Array2D<uint32_t> result(seeds.width(), seeds.height());
+    for (const auto& [pixel, seed] : placed)
+        result(pixel.first, pixel.second) = seed;
+    return result;
+}
+
 } // namespace ql::reference

@@ -6,6 +6,7 @@
 #include <Imath/ImathVec.h>
 
 #include <cstdint>
+#include <vector>
 
 namespace ql::reference {
 
@@ -18,5 +19,13 @@ Array2D<uint32_t> sorted_seeds(const Array2D<uint32_t>& seeds, const Array2D<flo
 // The scatter seeds'(x + R((x + o) mod N)) = seeds(x) on the torus of the seeds.
 Array2D<uint32_t> retargeted_seeds(const Array2D<uint32_t>& seeds, const Array2D<Imath::V2i>& moves,
                                    Imath::V2i mask_offset);
+
+// A texture for each tile. Of the seeds that are sent to one pixel that of the first tile stays;
+// the others, tile by tile, take the same place in their own tile, then those left the first free
+// one.
+Array2D<uint32_t>
+retargeted_seeds_by_tile(const Array2D<uint32_t>& seeds,
+                         const std::vector<const Array2D<Imath::V2i>*>& moves_of_tile,
+                         Imath::V2i mask_offset);
 
 } // namespace ql::reference

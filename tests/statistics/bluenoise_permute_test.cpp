@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace ql {
 namespace {
@@ -81,17 +82,21 @@ TEST(bluenoise_permute, white_noise_leaves_one) {
 }
 
 TEST(bluenoise_permute, sort_alone) {
-    EXPECT_NEAR(energy_at_frame_24(blue_mask(1.9), {}), 0.24, 0.15 * 0.24);
-}
-
-TEST(bluenoise_permute, sort_and_retarget_with_sigma_1_9) {
     const Mask mask = blue_mask(1.9);
-    EXPECT_NEAR(energy_at_frame_24(mask, {texture(mask)}), 0.076, 0.15 * 0.076);
+    for (const auto& [block_px, energy] : {std::pair(4, 0.583), {8, 0.240}, {16, 0.114}})
+        EXPECT_NEAR(energy_at_frame_24(mask, {}, OffsetKind::lattice, block_px), energy,
+                    0.15 * energy)
+            << block_px;
 }
 
-TEST(bluenoise_permute, sort_and_retarget_with_sigma_1_2) {
-    const Mask mask = blue_mask(1.2);
-    EXPECT_NEAR(energy_at_frame_24(mask, {texture(mask)}), 0.019, 0.15 * 0.019);
+TEST(bluenoise_permute, sort_and_retarget) {
+    for (const auto& [sigma_px, block_px, energy] :
+         {std::tuple(1.9, 4, 0.079), {1.9, 8, 0.076}, {1.2, 4, 0.023}, {1.2, 8, 0.019}}) {
+        const Mask mask = blue_mask(sigma_px);
+        EXPECT_NEAR(energy_at_frame_24(mask, {texture(mask)}, OffsetKind::lattice, block_px),
+                    energy, 0.15 * energy)
+            << sigma_px << " " << block_px;
+    }
 }
 
 // One texture does not fit the four steps of the sequence.
@@ -104,6 +109,60 @@ TEST(bluenoise_permute, r2_needs_four_textures) {
     const double with_one = energy_at_frame_24(mask, four, OffsetKind::thesis, 4);
     EXPECT_NEAR(with_four, 0.079, 0.15 * 0.079);
     EXPECT_NEAR(with_one, 0.143, 0.15 * 0.143);
+}
+
+// Surfaces that differ: cells of 48 x 48 pixels in which bright seeds are bright, and cells in
+// which they are dark. All move by `motion` a frame, and the passes are told `told`. Mean of
+// frames 8..39.
+double energy_of_moving_cells(ReprojectMode mode, const Imath::V2i& motion,
+                              const Imath::V2i& told) {
+    constexpr int kCell = 48, kFar = 100 * kCell, kFirst = 8, kFrames = 40;
+    const Mask mask = blue_mask(1.2);
+    std::vector<RetargetTexture> textures;
+    for (const Imath::V2i& m : {Imath::V2i(0, 0), told}) {
+        RetargetConfig moves;
+        moves.step = lattice_step(64, 64);
+        moves.motion = m;
+        moves.move_penalty = 1; // moves of 2 px: longer ones would hide those of the surfaces
+        textures.push_back(exact_retarget_texture(mask, moves));
+    }
+    PermuteConfig config;
+    config.offsets = mask_offsets(OffsetKind::lattice, 64, 64);
+    config.reproject = mode;
+    const Permuter permuter(mask, std::move(textures), config, kSide, kSide);
+    const Workers workers;
+    const MotionPlanes planes{Array2D<float>(kSide, kSide, float(told.x)),
+                              Array2D<float>(kSide, kSide, float(told.y))};
+    Array2D<uint32_t> seeds = permuter.fresh_seeds(0);
+    Array2D<float> values(kSide, kSide);
+    Array2D<uint32_t> surfaces(kSide, kSide);
+    double energy = 0;
+    for (int frame = 0; frame < kFrames; ++frame) {
+        for (int y = 0; y < kSide; ++y)
+            for (int x = 0; x < kSide; ++x) {
+                const float u = PixelRandom(seeds(x, y), 0).block(0)[0];
+                const int column = (x - frame * motion.x + kFar) / kCell;
+                const int row = (y - frame * motion.y + kFar) / kCell;
+                surfaces(x, y) = uint32_t(column + row) % 2;
+                values(x, y) = surfaces(x, y) == 0 ? u : 1 - u;
+            }
+        if (frame >= kFirst) energy += energy_left(values) / (kFrames - kFirst);
+        seeds = permuter.next_seeds(seeds, frame, {&values, &planes, surfaces}, workers);
+    }
+    return energy;
+}
+
+TEST(bluenoise_permute, following_the_motion_helps_where_surfaces_differ) {
+    double off = 0, image = 0, tile = 0, wrong = 0;
+    for (const Imath::V2i& motion : {Imath::V2i(4, 4), Imath::V2i(-4, 1), Imath::V2i(2, -3)}) {
+        off += energy_of_moving_cells(ReprojectMode::off, motion, motion);
+        image += energy_of_moving_cells(ReprojectMode::image, motion, motion);
+        tile += energy_of_moving_cells(ReprojectMode::tile, motion, motion);
+        wrong += energy_of_moving_cells(ReprojectMode::image, motion, -motion);
+    }
+    EXPECT_LT(image, 0.95 * off);
+    EXPECT_EQ(tile, image); // one motion for all tiles
+    EXPECT_LT(image, 0.95 * wrong);
 }
 
 } // namespace

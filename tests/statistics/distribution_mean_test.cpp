@@ -46,33 +46,47 @@ void add_tiles(const Image& image, TileMeans& tiles) {
     }
 }
 
-TileMeans last_frames(Distribution distribution, uint64_t first_seed) {
+// Where the camera goes: nowhere, or to the right by about a pixel a frame.
+enum class Camera { still, moving };
+
+TileMeans last_frames(SequenceConfig config, Camera move, uint64_t first_seed) {
     const Scene scene = cornell(lambert(V3f(0.6f)), emitter(V3f(12)));
     const Workers workers;
     const RenderSpace space = render_space_of(scene, workers);
     const PosedScene posed(scene, space, 0, workers);
-    const PixelCamera camera = camera_of(cornell_view(kSide), scene, space);
-    const NextFrame next{camera, {}};
+    std::vector<PixelCamera> cameras;
+    for (int frame = 0; frame <= kLastFrame + 1; ++frame) {
+        View view = cornell_view(kSide);
+        if (move == Camera::moving) view.from.x = view.at.x = 0.03 * (frame - kLastFrame);
+        cameras.push_back(camera_of(view, scene, space));
+    }
     const Mask mask = small_mask();
+    std::vector<RetargetTexture> textures;
     RetargetConfig moves;
-    moves.step = lattice_step(16, 16);
-    const RetargetTexture texture = exact_retarget_texture(mask, moves);
-    SequenceConfig config;
-    config.distribution = distribution;
+    moves.radius_px = 3;
+    for (const RetargetConfig& problem : retarget_set({lattice_step(16, 16)}, 2, moves))
+        textures.push_back(exact_retarget_texture(mask, problem));
     config.permute.offsets = mask_offsets(OffsetKind::lattice, 16, 16);
     TileMeans tiles;
     Progress progress;
     for (uint64_t seed = first_seed; seed < first_seed + kSequences; ++seed) {
         config.seed = seed;
-        FrameSequence sequence(config, mask, {texture}, kSide, kSide);
+        FrameSequence sequence(config, mask, textures, kSide, kSide);
         for (int frame = 0; frame <= kLastFrame; ++frame) {
+            const NextFrame next{cameras[size_t(frame) + 1], world_from_nodes(scene, 0)};
             const FrameResult result =
-                sequence.render({posed, camera, next, frame}, workers, progress);
+                sequence.render({posed, cameras[size_t(frame)], next, frame}, workers, progress);
             if (frame == kLastFrame) add_tiles(result.image, tiles);
             sequence.prepare_next(workers);
         }
     }
     return tiles;
+}
+
+SequenceConfig of(Distribution distribution) {
+    SequenceConfig config;
+    config.distribution = distribution;
+    return config;
 }
 
 double least_p(const TileMeans& a, const TileMeans& b) {
@@ -82,25 +96,39 @@ double least_p(const TileMeans& a, const TileMeans& b) {
     return least;
 }
 
+// The camera is at the same place in the last frame.
 const TileMeans& white() {
-    static const TileMeans means = last_frames(Distribution::white, 1000);
+    static const TileMeans means = last_frames(of(Distribution::white), Camera::still, 1000);
     return means;
 }
 
-const size_t kTests = 3 * (kSide / kTile) * (kSide / kTile);
+const size_t kTests = 5 * (kSide / kTile) * (kSide / kTile);
+
+void expect_the_mean_of_white(const SequenceConfig& config, Camera move) {
+    EXPECT_GT(least_p(last_frames(config, move, 1), white()), sidak_level(kLevel, kTests));
+}
 
 TEST(DistributionMean, OfTemporalIsWhiteNoises) {
-    EXPECT_GT(least_p(last_frames(Distribution::temporal, 1), white()),
-              sidak_level(kLevel, kTests));
+    expect_the_mean_of_white(of(Distribution::temporal), Camera::still);
+}
+
+TEST(DistributionMean, OfTemporalIsWhiteNoisesBehindAMovingCamera) {
+    SequenceConfig config = of(Distribution::temporal);
+    config.permute.reproject = ReprojectMode::tile;
+    config.similar = SimilarSurfaces::on;
+    expect_the_mean_of_white(config, Camera::moving);
 }
 
 TEST(DistributionMean, OfDitheredIsWhiteNoises) {
-    EXPECT_GT(least_p(last_frames(Distribution::dithered, 1), white()),
-              sidak_level(kLevel, kTests));
+    expect_the_mean_of_white(of(Distribution::dithered), Camera::still);
+}
+
+TEST(DistributionMean, OfHistogramIsWhiteNoises) {
+    expect_the_mean_of_white(of(Distribution::histogram), Camera::still);
 }
 
 TEST(DistributionMean, IsKnownWellEnoughToSeeATenth) {
-    TileMeans brighter = last_frames(Distribution::white, 1);
+    TileMeans brighter = last_frames(of(Distribution::white), Camera::still, 1);
     for (std::vector<double>& tile : brighter)
         for (double& mean : tile)
             mean *= 1.1;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 namespace ql {
@@ -89,13 +90,14 @@ TEST(sort, equals_its_slow_twin) {
                 config.block_px = block;
                 config.origin = origin;
                 config.mask_offset = {5, 11};
-                for (const bool grouped : {false, true}) {
-                    Array2D<uint32_t> surfaces;
-                    if (grouped) {
-                        surfaces = words(width, height, 7);
-                        for (uint32_t& surface : surfaces.values())
-                            surface %= 3;
-                    }
+                // One surface; one of three at each pixel; some blocks of one, some of two
+                Array2D<uint32_t> scattered = words(width, height, 7), halves(width, height, 4);
+                for (uint32_t& surface : scattered.values())
+                    surface %= 3;
+                for (int y = 0; y < height; ++y)
+                    for (int x = width / 2; x < width; ++x)
+                        halves(x, y) = 9;
+                for (const Array2D<uint32_t>& surfaces : {{}, scattered, halves}) {
                     Array2D<uint32_t> fast = seeds;
                     sort_seeds(fast, intensities, ranks, surfaces, config, Workers(2));
                     EXPECT_EQ(fast, reference::sorted_seeds(seeds, intensities, ranks, surfaces,
@@ -174,6 +176,19 @@ TEST(retarget, by_tile_equals_the_whole_where_all_tiles_move_alike) {
     }
 }
 
+TEST(retarget, by_tile_equals_its_slow_twin) {
+    const Mask tile = mask(16, 8);
+    const std::vector<RetargetTexture> set = textures(tile, OffsetKind::lattice, 4);
+    for (const auto& [width, height] : {std::pair{16, 8}, {32, 8}, {48, 64}, {160, 24}}) {
+        const Array2D<uint32_t> seeds = words(width, height, 3);
+        std::vector<const Array2D<Imath::V2i>*> moves;
+        for (uint32_t t = 0; t < uint32_t(width / 16 * (height / 8)); ++t)
+            moves.push_back(&set[hash32(5, t, 0, 0) % set.size()].moves);
+        EXPECT_EQ(retargeted_seeds_by_tile(seeds, moves, {7, 3}, Workers(2)),
+                  reference::retargeted_seeds_by_tile(seeds, moves, {7, 3}));
+    }
+}
+
 // Seeds sorted like M_t are nearly sorted like M_{t+1} afterwards: both axes and the signs matter.
 TEST(retarget, seeds_follow_the_mask_on_both_axes) {
     const Mask tile = mask(32, 16);
@@ -233,24 +248,42 @@ TEST_P(Passes, are_bijections_over_100_frames) {
 INSTANTIATE_TEST_SUITE_P(permute, Passes,
                          testing::Values(std::pair{1, 1}, std::pair{1, 7}, std::pair{61, 67}));
 
-TEST(permute, is_a_bijection_for_1920_x_1080) {
+// Seeds 0, 1, 2, ...: each must be there once.
+bool holds_each_once(const Array2D<uint32_t>& seeds) {
+    std::vector<bool> seen(seeds.size());
+    for (const uint32_t seed : seeds.values()) {
+        if (seed >= seen.size() || seen[seed]) return false;
+        seen[seed] = true;
+    }
+    return true;
+}
+
+class FullHd : public testing::TestWithParam<ReprojectMode> {};
+
+TEST_P(FullHd, passes_are_bijections_over_100_frames) {
     const Mask tile = mask(64, 64);
     PermuteConfig config = permute_config(tile);
-    const std::vector<RetargetTexture> set = textures(tile, OffsetKind::lattice, 1);
-    const Array2D<float> intensity = noise(1920, 1080, 1);
-    const MotionPlanes motion = swirl(1920, 1080, 1);
-    for (const ReprojectMode mode :
-         {ReprojectMode::off, ReprojectMode::image, ReprojectMode::tile}) {
-        config.reproject = mode;
-        const Permuter permuter(tile, set, config, 1920, 1080);
-        EXPECT_EQ(permuter.padded_height(), 1088);
-        Array2D<uint32_t> seeds = permuter.fresh_seeds(0);
-        const std::vector<uint32_t> all = sorted(seeds);
-        for (int frame = 0; frame < 2; ++frame)
-            seeds = permuter.next_seeds(seeds, frame, {&intensity, &motion, {}}, Workers(2));
-        EXPECT_EQ(sorted(seeds), all);
+    config.reproject = GetParam();
+    const Permuter permuter(tile, textures(tile, OffsetKind::lattice, 1), config, 1920, 1080);
+    EXPECT_EQ(permuter.padded_height(), 1088);
+    std::vector<Array2D<float>> intensities;
+    std::vector<MotionPlanes> motions;
+    for (int i = 0; i < 3; ++i) {
+        intensities.push_back(noise(1920, 1080, uint32_t(i)));
+        motions.push_back(swirl(1920, 1080, i));
+    }
+    Array2D<uint32_t> seeds(permuter.padded_width(), permuter.padded_height());
+    std::iota(seeds.values().begin(), seeds.values().end(), 0u);
+    for (int frame = 0; frame < 100; ++frame) {
+        const FrameGuides guides{&intensities[size_t(frame % 3)], &motions[size_t(frame % 3)], {}};
+        seeds = permuter.next_seeds(std::move(seeds), frame, guides, Workers(2));
+        ASSERT_TRUE(holds_each_once(seeds)) << "frame " << frame;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(permute, FullHd,
+                         testing::Values(ReprojectMode::off, ReprojectMode::image,
+                                         ReprojectMode::tile));
 
 TEST(permute, does_not_depend_on_the_number_of_threads) {
     const Mask tile = mask(16, 16);
