@@ -14,6 +14,8 @@ namespace {
 constexpr double kPlastic = 1.32471795724474602596;
 constexpr double kRateX = 1 / kPlastic;
 constexpr double kRateY = 1 / (kPlastic * kPlastic);
+// The golden section, which spreads the jumps evenly at any time.
+constexpr double kRateJump = 0.61803398874989484820;
 
 // The number coprime with n that is nearest to n * rate.
 int coprime_step(int n, double rate) {
@@ -55,6 +57,11 @@ Imath::V2i mask_offset(const MaskOffsets& offsets, int64_t frame) {
             int(frame % offsets.width * wrap(offsets.step.x, offsets.width) % offsets.width),
             int(frame % offsets.height * wrap(offsets.step.y, offsets.height) % offsets.height)};
     return {r2_offset(frame, kRateX, offsets.width), r2_offset(frame, kRateY, offsets.height)};
+}
+
+Imath::V2i mask_jumps(const MaskOffsets& offsets, int64_t count) {
+    return {0,
+            int(count % offsets.height * coprime_step(offsets.height, kRateJump) % offsets.height)};
 }
 
 Imath::V2i retarget_step(const MaskOffsets& offsets, int64_t frame) {

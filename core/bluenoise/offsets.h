@@ -36,6 +36,11 @@ MaskOffsets mask_offsets(OffsetKind kind, int width, int height);
 // o(frame), in [0, N). frame >= 0.
 Imath::V2i mask_offset(const MaskOffsets& offsets, int64_t frame);
 
+// Where seeds are fresh the mask may jump, and it must: `lattice` shows a pixel the same N values
+// of the mask again and again, so that the mean over many frames would keep their error. The sum of
+// `count` jumps, each of the same step along y, which takes all places before it comes back.
+Imath::V2i mask_jumps(const MaskOffsets& offsets, int64_t count);
+
 // The step of the retarget texture that takes seeds from this frame to the next.
 Imath::V2i retarget_step(const MaskOffsets& offsets, int64_t frame);
 

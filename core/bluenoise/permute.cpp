@@ -109,7 +109,7 @@ void Permuter::sort(Array2D<uint32_t>& seeds, int64_t frame, const FrameGuides& 
              guides.intensity->height() == m_height);
     SortConfig config;
     config.block_px = m_config.block_px;
-    config.mask_offset = mask_offset(m_config.offsets, frame);
+    config.mask_offset = offset(frame);
     CounterRandom random(m_config.seed, uint64_t(frame));
     config.tie_key = random.next_word();
     if (m_config.block_jitter == BlockJitter::on) {
@@ -118,6 +118,14 @@ void Permuter::sort(Array2D<uint32_t>& seeds, int64_t frame, const FrameGuides& 
         config.origin.y = int(bounded(random, side));
     }
     sort_seeds(seeds, *guides.intensity, m_ranks, guides.surfaces, config, workers);
+}
+
+Imath::V2i Permuter::offset(int64_t frame) const {
+    const Imath::V2i steps = mask_offset(m_config.offsets, frame);
+    if (m_config.refresh_frames == 0) return steps;
+    const Imath::V2i jumps = mask_jumps(m_config.offsets, frame / m_config.refresh_frames);
+    return {wrap(steps.x + jumps.x, m_config.offsets.width),
+            wrap(steps.y + jumps.y, m_config.offsets.height)};
 }
 
 // The texture for the frame's step whose motion is nearest.
@@ -142,10 +150,10 @@ Imath::V2i Permuter::image_motion(const FrameGuides& guides) const {
 
 Array2D<uint32_t> Permuter::retargeted(const Array2D<uint32_t>& seeds, int64_t frame,
                                        const FrameGuides& guides, const Workers& workers) const {
-    const Imath::V2i offset = mask_offset(m_config.offsets, frame);
     QL_CHECK(m_config.reproject == ReprojectMode::off || guides.motion);
     if (m_config.reproject != ReprojectMode::tile)
-        return retargeted_seeds(seeds, texture(frame, image_motion(guides)).moves, offset, workers);
+        return retargeted_seeds(seeds, texture(frame, image_motion(guides)).moves, offset(frame),
+                                workers);
     const int tile_width = m_ranks.width(), tile_height = m_ranks.height();
     std::vector<const Array2D<Imath::V2i>*> moves_of_tile;
     for (int y = 0; y < m_padded_height; y += tile_height)
@@ -155,7 +163,7 @@ Array2D<uint32_t> Permuter::retargeted(const Array2D<uint32_t>& seeds, int64_t f
             const Imath::V2i motion = mean_motion(*guides.motion, rect, m_motion_limit);
             moves_of_tile.push_back(&texture(frame, motion).moves);
         }
-    return retargeted_seeds_by_tile(seeds, moves_of_tile, offset, workers);
+    return retargeted_seeds_by_tile(seeds, moves_of_tile, offset(frame), workers);
 }
 
 Array2D<uint32_t> Permuter::next_seeds(Array2D<uint32_t> seeds, int64_t frame,

@@ -76,6 +76,9 @@ class Permuter {
     Array2D<uint32_t> next_seeds(Array2D<uint32_t> seeds, int64_t frame, const FrameGuides& guides,
                                  const Workers& workers) const;
 
+    // o(t) of the mask in this frame, in [0, N); it jumps where seeds are refreshed.
+    Imath::V2i offset(int64_t frame) const;
+
     // The motion that the image as a whole is taken to have; (0, 0) without reprojection.
     Imath::V2i image_motion(const FrameGuides& guides) const;
 

@@ -9,7 +9,7 @@ set ylabel "perceptual error over white noise's"
 set grid
 set key outside right noenhanced
 set multiplot layout 2,1 title title noenhanced
-columns = system(sprintf("head -1 %s | tr ',' '\\n' | grep -nEv '^(sigma_px|frame|.*[0-9]+|similar)$' | cut -d: -f1", table))
+columns = system(sprintf("head -1 %s | tr ',' '\\n' | grep -nEv '^(sigma_px|frame|.*[0-9]+|jitter|short|similar|demodulate)$' | cut -d: -f1", table))
 do for [s = 1:2] {
     set title sprintf("Gaussian of %d px", s)
     plot for [c in columns] table using ($1 == s ? $2 : NaN):(column(int(c))) with linespoints pt 7 ps 0.4 \

@@ -165,5 +165,40 @@ TEST(bluenoise_permute, following_the_motion_helps_where_surfaces_differ) {
     EXPECT_LT(image, 0.95 * wrong);
 }
 
+// The mean over `frames` frames of a flat scene whose seeds are refreshed: its variance over that
+// of as many frames of white noise. The mask must not show a pixel the same values after each
+// refresh.
+double variance_of_mean(int frames, int refresh_frames, std::vector<RetargetTexture> textures,
+                        const Mask& mask) {
+    PermuteConfig config;
+    config.offsets = mask_offsets(OffsetKind::lattice, 64, 64);
+    config.refresh_frames = refresh_frames;
+    const Permuter permuter(mask, std::move(textures), config, kSide, kSide);
+    const Workers workers;
+    Array2D<uint32_t> seeds = permuter.fresh_seeds(0);
+    Array2D<float> values(kSide, kSide);
+    Array2D<double> sums(kSide, kSide);
+    for (int frame = 0; frame < frames; ++frame) {
+        for (size_t i = 0; i < seeds.size(); ++i)
+            sums[i] += double(values[i] = PixelRandom(seeds[i], 0).block(0)[0]) - 0.5;
+        seeds = permuter.next_seeds(seeds, frame, {&values, nullptr, {}}, workers);
+    }
+    double variance = 0;
+    for (const double sum : sums.values())
+        variance += sum * sum / double(sums.size());
+    return variance / frames * 12;
+}
+
+TEST(bluenoise_permute, means_with_refresh_converge_like_white_noise) {
+    const Mask mask = blue_mask(1.2);
+    const std::vector<RetargetTexture> textures = {texture(mask)};
+    for (const int refresh_frames : {8, 16, 64}) {
+        EXPECT_LT(variance_of_mean(256, refresh_frames, textures, mask), 1) << refresh_frames;
+        EXPECT_LT(variance_of_mean(256, refresh_frames, {}, mask), 2) << refresh_frames;
+    }
+    EXPECT_GT(variance_of_mean(256, 0, textures, mask), 2);
+    EXPECT_GT(variance_of_mean(256, 0, {}, mask), 4);
+}
+
 } // namespace
 } // namespace ql

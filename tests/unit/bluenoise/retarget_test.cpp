@@ -227,6 +227,20 @@ TEST(offsets, lattice_steps_are_coprime_and_next_to_r2) {
     EXPECT_EQ(mask_offset(offsets, 64), Imath::V2i(0, 0));
 }
 
+TEST(offsets, jumps_take_all_places_before_they_come_back) {
+    for (const int height : {1, 7, 64, 61}) {
+        const MaskOffsets offsets = mask_offsets(OffsetKind::lattice, 16, height);
+        std::set<int> seen;
+        for (int count = 0; count < height; ++count) {
+            EXPECT_EQ(mask_jumps(offsets, count).x, 0);
+            seen.insert(mask_jumps(offsets, count).y);
+        }
+        EXPECT_EQ(seen.size(), size_t(height));
+        EXPECT_EQ(mask_jumps(offsets, height), Imath::V2i(0, 0));
+    }
+    EXPECT_EQ(mask_jumps(mask_offsets(OffsetKind::lattice, 64, 64), 1), Imath::V2i(0, 39));
+}
+
 // 36.5 % of the steps of int(t N / g) are (48, 36); the rest is what one texture does not fit.
 TEST(offsets, truncated_r2_takes_four_steps) {
     const MaskOffsets r2 = mask_offsets(OffsetKind::r2, 64, 64);
