@@ -171,6 +171,7 @@ void report(const InjectReport& r, const LightCache& cache, cli::Stats& stats) {
                     {"deposits", r.photons.deposits},
                     {"gated_deposits", r.photons.gated},
                     {"shafts", cache.size()},
+                    {"groups", cache.groups.size()},
                     {"cache_memory_bytes", cache.memory_bytes()},
                     {"measure_lines", r.measure.lines}};
     stats.discarded_samples = r.photons.discarded;

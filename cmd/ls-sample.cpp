@@ -91,8 +91,7 @@ void declare_reading(cli::Tool& tool, Options& o) {
             [&read](const std::vector<float>& n) {
                 if (!(n[0] >= 0) || !(n[1] >= n[0]))
                     throw usage_error("--glossy: {} {}, expected 0 <= N1 <= N2", n[0], n[1]);
-                read.glossy_low = n[0];
-                read.glossy_high = n[1];
+                read.glossy = {n[0], n[1]};
             },
             "Phong lobes of exponents below N1 read the cache, from N2 on they are traced, in "
             "between by chance")

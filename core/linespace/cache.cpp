@@ -3,6 +3,7 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace ql {
 
@@ -47,26 +48,38 @@ void require_fit(const CacheHeader& a, const CacheHeader& b, const std::string& 
     require(a.weight_by_order.size() == b.weight_by_order.size(), "the depth");
 }
 
+// Walks two sorted lists: visit(i, j) for what stands in both, with none for a side that lacks it.
+template<class Visit>
+void for_each_of_both(std::span<const uint32_t> a, std::span<const uint32_t> b, Visit&& visit) {
+    for (size_t i = 0, j = 0; i < a.size() || j < b.size();) {
+        const bool has_a = i < a.size() && (j == b.size() || a[i] <= b[j]);
+        const bool has_b = j < b.size() && (i == a.size() || b[j] <= a[i]);
+        visit(has_a ? std::optional(i) : std::nullopt, has_b ? std::optional(j) : std::nullopt);
+        i += has_a;
+        j += has_b;
+    }
+}
+
+std::span<const uint32_t> part_of(const std::vector<uint32_t>& values,
+                                  const std::vector<uint64_t>& first, size_t voxel) {
+    return std::span(values).subspan(first[voxel], first[voxel + 1] - first[voxel]);
+}
+
 // The groups of both, with measures that must agree where they meet.
 void merge_groups(LightCache& to, const LightCache& a, const LightCache& b,
                   const std::string& what) {
     to.group_first.assign(a.group_first.size(), 0);
-    const auto append = [&to](const LightCache& from, size_t i) {
-        to.groups.push_back(from.groups[i]);
-        to.group_measures.push_back(from.group_measures[i]);
-    };
     for (size_t v = 0; v + 1 < a.group_first.size(); ++v) {
-        size_t i = a.group_first[v], j = b.group_first[v];
-        while (i < a.group_first[v + 1] || j < b.group_first[v + 1]) {
-            const bool has_a = i < a.group_first[v + 1], has_b = j < b.group_first[v + 1];
-            const bool take_a = has_a && (!has_b || a.groups[i] <= b.groups[j]);
-            const bool take_both = take_a && has_b && a.groups[i] == b.groups[j];
-            if (take_both && a.group_measures[i] != b.group_measures[j])
+        const auto append = [&](std::optional<size_t> i, std::optional<size_t> j) {
+            const LightCache& from = i ? a : b;
+            const size_t at = i ? a.group_first[v] + *i : b.group_first[v] + *j;
+            if (i && j && a.group_measures[at] != b.group_measures[b.group_first[v] + *j])
                 throw input_error("{}: not of the same scene: measures differ", what);
-            take_a ? append(a, i) : append(b, j);
-            i += take_a;
-            j += !take_a || take_both;
-        }
+            to.groups.push_back(from.groups[at]);
+            to.group_measures.push_back(from.group_measures[at]);
+        };
+        for_each_of_both(part_of(a.groups, a.group_first, v), part_of(b.groups, b.group_first, v),
+                         append);
         to.group_first[v + 1] = to.groups.size();
     }
 }
@@ -154,16 +167,11 @@ LightCache merged(const LightCache& a, const LightCache& b, const std::string& w
     result.measures.reserve(a.measures.empty() ? 0 : most);
     result.first.assign(a.first.size(), 0);
     for (size_t v = 0; v + 1 < a.first.size(); ++v) {
-        size_t i = a.first[v], j = b.first[v];
-        while (i < a.first[v + 1] || j < b.first[v + 1]) {
-            const bool has_a = i < a.first[v + 1], has_b = j < b.first[v + 1];
-            const bool take_a = has_a && (!has_b || a.shafts[i] <= b.shafts[j]);
-            const bool take_both = take_a && has_b && a.shafts[i] == b.shafts[j];
-            append_entry(result, take_a ? a : b, take_a ? i : j);
-            if (take_both) add_entry(result, result.size() - 1, b, j, what);
-            i += take_a;
-            j += !take_a || take_both;
-        }
+        const auto append = [&](std::optional<size_t> i, std::optional<size_t> j) {
+            append_entry(result, i ? a : b, i ? a.first[v] + *i : b.first[v] + *j);
+            if (i && j) add_entry(result, result.size() - 1, b, b.first[v] + *j, what);
+        };
+        for_each_of_both(part_of(a.shafts, a.first, v), part_of(b.shafts, b.first, v), append);
         result.first[v + 1] = result.size();
     }
     merge_groups(result, a, b, what);

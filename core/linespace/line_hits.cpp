@@ -108,7 +108,7 @@ void LineHits::visit_first(const LineBlock& lines, const Sink& sink) const {
         if (nearest[i] < 0) continue;
         const LocalTriangle& triangle = *m_chosen[size_t(nearest[i])];
         const int found = triangle.class_towards({lines.dx[i], lines.dy[i], lines.dz[i]});
-        if (found >= 0 && is_open(lines, i)) sink(i, found, 1);
+        if (found >= 0) sink(i, found, 1);
     }
 }
 
@@ -134,7 +134,6 @@ void LineHits::visit_hits(const LineBlock& lines, bool first_only, const Sink& s
     for (size_t i = 0; i < kLinesPerBlock; ++i) {
         std::sort(found[i].begin(), found[i].end(),
                   [](const LineHit& a, const LineHit& b) { return a.t < b.t; });
-        if (found[i].empty() || !is_open(lines, i)) continue;
         double passed = 1;
         for (const LineHit& hit : found[i]) {
             const double share = (first_only ? passed : 1) * double(hit.alpha);
@@ -157,19 +156,17 @@ float LineHits::alpha_of(const LocalTriangle& triangle, float u, float v) const 
     return low == 0 ? 0 : high == 1 ? 1 : low;
 }
 
-bool LineHits::is_open(const LineBlock& lines, size_t i) const {
-    const auto to_render = [&](float x, float y, float z) {
-        return V3d(double(x) * m_cell.x, double(y) * m_cell.y, double(z) * m_cell.z);
-    };
-    return m_sides.leads_out(m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]),
-                             -to_render(lines.dx[i], lines.dy[i], lines.dz[i]));
+V3d LineHits::to_render(float x, float y, float z) const {
+    return {double(x) * m_cell.x, double(y) * m_cell.y, double(z) * m_cell.z};
+}
+
+bool LineHits::is_open(const LineBlock& lines, size_t line) const {
+    return m_sides.leads_out(m_lower + to_render(lines.ox[line], lines.oy[line], lines.oz[line]),
+                             -to_render(lines.dx[line], lines.dy[line], lines.dz[line]));
 }
 
 void LineHits::add_shape_hits(const LocalShape& shape, const LineBlock& lines, size_t i,
                               std::vector<LineHit>& found) const {
-    const auto to_render = [&](float x, float y, float z) {
-        return V3d(double(x) * m_cell.x, double(y) * m_cell.y, double(z) * m_cell.z);
-    };
     const V3d o = m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]);
     const V3d d = to_render(lines.dx[i], lines.dy[i], lines.dz[i]);
     double from = 0;

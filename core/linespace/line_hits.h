@@ -1,4 +1,4 @@
-// What lines through a voxel meet there, as far as light can come along them (open_sides.h).
+// What lines through a voxel meet there.
 //
 // Triangles are tested against blocks of lines, in the coordinates of the voxel. Surfaces with an
 // alpha count with the share of rays that they stop. The world must outlive it; not to be shared
@@ -31,6 +31,8 @@ class LineHits {
     using Sink = std::function<void(size_t line, int normal_class, double share)>;
     void visit_first(const LineBlock& lines, const Sink& sink) const;
     void visit_all(const LineBlock& lines, const Sink& sink) const;
+    // Whether light can come along a line of the block at all (open_sides.h); traces a ray.
+    bool is_open(const LineBlock& lines, size_t line) const;
 
   private:
     // A primitive in the coordinates of its voxel.
@@ -68,7 +70,7 @@ class LineHits {
     void add_shape_hits(const LocalShape& shape, const LineBlock& lines, size_t i,
                         std::vector<LineHit>& found) const;
 
-    bool is_open(const LineBlock& lines, size_t i) const;
+    V3d to_render(float x, float y, float z) const;
 
     const World& m_world;
     const OpenSides& m_sides;

@@ -31,7 +31,7 @@ ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, int normal_
     LineBlock block;
     double hits = 0, weights = 0, met = 0;
     const auto count = [&](size_t line, int found_class, double share) {
-        if (found_class != normal_class) return;
+        if (found_class != normal_class || !surfaces.is_open(block, line)) return;
         hits += share * double(block.weight[line]);
         met += share;
     };
@@ -65,6 +65,7 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
     std::array<uint32_t, kLinesPerBlock> shafts;
     std::vector<double> met(all.size(), 0.0);
     const auto count = [&](size_t line, int normal_class, double share) {
+        if (!surfaces.is_open(block, line)) return;
         const uint32_t group = shafts[line] + ShaftGroups::kFacePairs * uint32_t(normal_class);
         met[group] += share;
         met[*all.of_group(group)] += share;

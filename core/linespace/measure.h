@@ -20,9 +20,9 @@ namespace ql {
 struct MeasureConfig {
     int max_lines = 256;  // of a shaft, a multiple of 32
     int enough_hits = 24; // that the number of lines aims at
-    int least_voxel_lines = 2048;
-    int max_voxel_lines = 16384;  // for the groups of a voxel
-    int enough_voxel_hits = 2048; // of each class of normals
+    int least_voxel_lines = 1024;
+    int max_voxel_lines = 8192;   // for the groups of a voxel
+    int enough_voxel_hits = 1024; // of each class of normals
 };
 
 struct MeasureReport {

@@ -18,8 +18,8 @@
 
 #include "linespace/candidates.h"
 #include "linespace/open_sides.h"
+#include "linespace/parted_vertex.h"
 #include "linespace/read_table.h"
-#include "linespace/vertex.h"
 
 namespace ql {
 
@@ -32,8 +32,7 @@ struct ReadConfig {
     int max_depth = 5;      // scatterings of the joined path
     int roulette_depth = 3; // as in PathConfig
     int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
-    float glossy_low = 0;   // Phong exponents below read the cache ...
-    float glossy_high = 0;  // ... at or above are traced on, in between by chance
+    GlossyLimits glossy;
     double blur = 0;        // radius of the look-up disc; of a voxel's shortest side
     float shaft_jitter = 0; // width of the box that look-ups are moved in, in patches
     Fallback fallback = Fallback::never;
@@ -82,7 +81,6 @@ class ReadKernel {
 
   private:
     static constexpr bool kTextured = (Attributes & kAttributeTextures) != 0;
-    static constexpr bool kDiffuseOnly = Lobes == kLobeDiffuse;
 
     enum class Emission { counts, by_mis, is_known };
 
@@ -100,21 +98,11 @@ class ReadKernel {
         uint32_t block(uint32_t n) const { return 4096 * branch + 5 * uint32_t(scatterings) + n; }
     };
 
-    // A vertex with its lobes parted.
-    struct PartedVertex {
-        PathVertex at;
-        Bsdf read, traced;
-        float p_trace; // probability of following the others
-        bool reads() const { return p_trace < 1; }
-    };
     // Tells the random numbers of what is traced on from those of reads.
     static constexpr uint32_t kTracedBranch = 1 << 11;
 
     void follow(Path path, const PixelRandom& random, ReadSample& sample) const;
     bool find_hit(Path& path) const;
-    PartedVertex part(const PathVertex& vertex, bool reads, float u_glossy) const;
-    BsdfValue read_value(const PartedVertex& v, const V3f& wi) const;
-    std::optional<BsdfSample> read_sample(const PartedVertex& v, V2f u, float u_lobe) const;
     V3f lit_by_lights(const PartedVertex& v, const Path& path, const PixelRandom& random) const;
     V3f emitted(const SurfacePoint& point, const Material& material, const Path& path,
                 float distance) const;
@@ -132,59 +120,6 @@ class ReadKernel {
     ReadCounts& m_counts;
 };
 
-template<uint32_t Lobes, uint32_t Attributes>
-auto ReadKernel<Lobes, Attributes>::part(const PathVertex& vertex, bool reads, float u_glossy) const
-    -> PartedVertex {
-    PartedVertex v{vertex, vertex.bsdf, vertex.bsdf, 0};
-    if (!reads) {
-        v.p_trace = 1;
-        return v;
-    }
-    if constexpr (kDiffuseOnly) return v;
-    const ReadConfig& config = m_context.config;
-    const float n = vertex.bsdf.exponent;
-    const bool glossy_reads =
-        n < config.glossy_low ||
-        (n < config.glossy_high &&
-         u_glossy >= (n - config.glossy_low) / (config.glossy_high - config.glossy_low));
-    v.traced.diffuse = V3f(0);
-    v.read.mirror = v.read.refraction = V3f(0);
-    (glossy_reads ? v.traced : v.read).phong = V3f(0);
-    if (!(vertex.wo_local.z > detail::kMinCosine)) return v;
-    const detail::LobeWeights weights = detail::lobe_weights<Lobes>(vertex.bsdf, vertex.wo_local.z);
-    const float reading = weights.diffuse + (glossy_reads ? weights.phong : 0);
-    const float sum = weights.sum();
-    v.p_trace = sum > 0 ? 1 - reading / sum : 1;
-    // Lobes that are all read leave nothing to chance.
-    if (v.p_trace < 1e-4f) v.p_trace = 0;
-    return v;
-}
-
-// Under a coat the diffuse lobe alone reads; elsewhere diffuse and Phong lobes may.
-template<uint32_t Lobes, uint32_t Attributes>
-BsdfValue ReadKernel<Lobes, Attributes>::read_value(const PartedVertex& v, const V3f& wi) const {
-    if constexpr (!kDiffuseOnly)
-        if (v.read.lobes & kLobeMicrofacet) {
-            if (!(wi.z > detail::kMinCosine) || !(v.at.wo_local.z > detail::kMinCosine)) return {};
-            return detail::diffuse_reflection<Lobes>(v.read, v.at.wo_local, wi);
-        }
-    return value_and_pdf_bsdf<Lobes & ~uint32_t(kLobeTransmission)>(v.read, v.at.wo_local, wi);
-}
-
-template<uint32_t Lobes, uint32_t Attributes>
-std::optional<BsdfSample> ReadKernel<Lobes, Attributes>::read_sample(const PartedVertex& v, V2f u,
-                                                                     float u_lobe) const {
-    if constexpr (!kDiffuseOnly)
-        if (v.read.lobes & kLobeMicrofacet) {
-            const V3f wi = square_to_cosine_hemisphere(u);
-            const BsdfValue value = read_value(v, wi);
-            if (!(value.pdf_solid_angle > 0)) return std::nullopt;
-            return BsdfSample{wi, value.value / value.pdf_solid_angle, value.pdf_solid_angle, false,
-                              false};
-        }
-    return sample_bsdf<Lobes & ~uint32_t(kLobeTransmission)>(v.read, v.at.wo_local, u_lobe, u);
-}
-
 // Next-event estimation: all of the light for the lobes that read, weighted for the others.
 template<uint32_t Lobes, uint32_t Attributes>
 V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Path& path,
@@ -195,16 +130,15 @@ V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Pa
     if (!light) return V3f(0);
     const V3f wi = v.at.frame.local_from_world(light->direction);
     if (wi.z * v.at.ng.dot(light->direction) <= 0) return V3f(0);
-    V3f scattered = v.reads() ? read_value(v, wi).value : V3f(0);
-    if constexpr (!kDiffuseOnly)
-        if (v.p_trace > 0) {
-            const BsdfValue traced = value_and_pdf_bsdf<Lobes>(v.traced, v.at.wo_local, wi);
-            const float weight =
-                light->pdf_solid_angle > 0
-                    ? detail::mis_weight(light->pdf_solid_angle, traced.pdf_solid_angle * v.p_trace)
-                    : 1;
-            scattered += traced.value * weight;
-        }
+    V3f scattered = v.reads() ? read_value<Lobes>(v, wi).value : V3f(0);
+    if (v.p_trace > 0) {
+        const BsdfValue traced = value_and_pdf_bsdf<Lobes>(v.traced, v.at.wo_local, wi);
+        const float weight =
+            light->pdf_solid_angle > 0
+                ? detail::mis_weight(light->pdf_solid_angle, traced.pdf_solid_angle * v.p_trace)
+                : 1;
+        scattered += traced.value * weight;
+    }
     if (detail::is_black(scattered)) return V3f(0);
     Ray ray;
     ray.origin = offset_origin(v.at.position, v.at.ng, v.at.offset, light->direction);
@@ -376,12 +310,13 @@ void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
         }
         if (path.scatterings == config.max_depth) return;
         const float u_glossy =
-            config.glossy_high > config.glossy_low ? random.block(path.block(3))[2] : 0;
+            config.glossy.high > config.glossy.low ? random.block(path.block(3))[2] : 0;
         const bool open =
             !m_context.sides ||
             m_context.sides->is_open(point.surface, point.ng.dot(path.ray.direction) < 0);
-        const PartedVertex v = part(
-            path_vertex<Attributes>(m_world, point, material, -path.ray.direction), open, u_glossy);
+        const PartedVertex v =
+            parted<Lobes>(path_vertex<Attributes>(m_world, point, material, -path.ray.direction),
+                          open, config.glossy, u_glossy);
         if (!m_context.lights.empty()) {
             const V3f light = detail::times(path.throughput, lit_by_lights(v, path, random));
             (path.scatterings == 0 ? sample.direct : sample.indirect) += light;
@@ -410,7 +345,7 @@ void ReadKernel<Lobes, Attributes>::read_on(const PartedVertex& v, const Path& p
         V2f at(u[1] + shift, u[2] + golden - std::floor(golden));
         at.x -= std::floor(at.x);
         at.y -= std::floor(at.y);
-        const auto next = read_sample(v, at, u[0]);
+        const auto next = read_sample<Lobes>(v, at, u[0]);
         if (!next) continue;
         const V3f wi = v.at.frame.world_from_local(next->wi);
         if (!(wi.dot(v.at.ng) > 0)) continue;

@@ -1,8 +1,8 @@
 // The lights of a posed world, in render space, and sampling them by power.
 //
 // Emissive triangles are chosen by power. So is whether it is a point, spot or directional light at
-// all; which of them, if they are few, by the irradiance that each sends to the point unhindered:
-// the least variance that can be had without asking what lies between.
+// all; which of them, if they are few, by the irradiance on a surface there that
+// faces the light, whatever may lie between.
 //
 // Units: radiance in W/(m^2 sr); intensities in render space are W/sr times RenderSpace::scale^2,
 // so that I'/d'^2 is the irradiance whatever the unit of length. All values are divided by 2^k

@@ -70,6 +70,9 @@ Scene box_scene(const BoxScene& box) {
     if (box.has_plate)
         add_quad(scene, wall, V3f(0.35f, 0.06f, 0.35f) * s, V3f(0, 0, 0.3f) * s,
                  V3f(0.3f, 0, 0) * s);
+    if (box.has_table)
+        add_quad(scene, wall, V3f(0.002f, 0.5f, 0.002f) * s, V3f(0, 0, 0.996f) * s,
+                 V3f(0.996f, 0, 0) * s);
     if (box.has_block) add_block(scene, wall, V3f(0.3f, -0.001f, 0.25f) * s, 0.3f * s);
     for (const BoxScene::PointLight& light : box.lights) {
         Light point;

@@ -14,6 +14,7 @@ struct BoxScene {
     V3f emission = {0, 0, 0};
     bool has_plate = false;  // 0.3 wide, 0.06 above the middle of the floor, of no thickness
     bool has_block = false;  // 0.3 wide and high, its underside just below the floor
+    bool has_table = false;  // a sheet at half the height, with a gap to the walls
     bool has_mirror = false; // the wall at z = 0 is a perfect mirror
     struct PointLight {
         V3d position;     // in units of size

@@ -125,6 +125,8 @@ TEST(LinespaceEnergy, StoredAndGatedLightIsTheClosedForm) {
     const Posed p(reference::box_scene({.albedo = 0.5f, .lights = {{{0.5, 0.6, 0.5}, 1}}}));
     InjectConfig config = injection(100, 1, 60000, 40);
     config.grid.voxels = {200, 200, 200};
+    // Nobody asks for the measures of so many voxels here.
+    config.measure.max_lines = config.measure.max_voxel_lines = 32;
     const LightCache cache = inject(p, config);
     double stored = 0;
     for (const int64_t weight : cache.header.weight_by_order)
@@ -175,6 +177,45 @@ TEST(LinespaceEnergy, OfAFloorUnderABlockIsThatOfPathTracing) {
     for (const double smoothing : {0.0, 1e6})
         EXPECT_NEAR(indirect_ratio(p, injection(6, 4, 300000, 6), expected, smoothing), 1, 0.02)
             << smoothing;
+}
+
+TEST(LinespaceSampling, KeepsTheDirectLightOfClosedSides) {
+    // A weak lamp under a table that a strong one lights from above: so few walks meet the
+    // underside that it counts as closed, and does not read the cache.
+    const BoxScene box{.albedo = 0.5f,
+                       .has_table = true,
+                       .lights = {{{0.5, 0.9, 0.5}, 1000}, {{0.4, 0.2, 0.5}, 0.2}}};
+    const Posed p(reference::box_scene(box));
+    const OpenSides sides(p.posed.rays(), LightEmission(p.posed.lights()), kWorkers);
+    ASSERT_GE(sides.closed_count(), 7u); // the table's underside and the outsides of the walls
+    CameraChoice choice;
+    choice.explicit_view = true;
+    choice.look_from = V3d(0.5, 0.05, 0.6);
+    choice.look_at = V3d(0.45, 0.4, 0.5);
+    choice.fov_degrees = 60;
+    const ChosenCamera chosen = choose_camera(p.scene, p.space, choice);
+    const PixelCamera camera = pixel_camera(chosen, p.scene, p.space, 0, kPixels, kPixels);
+    Progress progress;
+    RenderConfig traced;
+    traced.path.max_depth = 4;
+    traced.path.roulette_depth = 0;
+    traced.spp = 400;
+    traced.aovs = kAovDirect;
+    const auto seeds = fresh_seeds(3, 0, kPixels, kPixels);
+    const Image expected =
+        render_frame(p.posed, camera, seeds, traced, nullptr, kWorkers, progress).image;
+    const LightCache cache = inject(p, injection(8, 4, 20000, 4));
+    const ReadTable table(cache, p.space, p.posed.lights(), {1000}, kWorkers);
+    SampleConfig config;
+    config.read.max_depth = 4;
+    config.read.roulette_depth = 0;
+    config.spp = 400;
+    config.layers = kLayerDirect;
+    const Image image =
+        sample_frame(p.posed, camera, table, nullptr, &sides, seeds, config, kWorkers, progress)
+            .image;
+    // Indirect light is another matter: voxels that the table cuts mix both sides of it.
+    EXPECT_NEAR(mean_of(image, "direct") / mean_of(expected, "direct"), 1, 0.01);
 }
 
 TEST(LinespaceEnergy, DoesNotDependOnTheUnitOfLengthNorOnHowALightIsSplit) {

@@ -60,7 +60,8 @@ ls-inject "$scenes/cornell_point.gltf" --photons 20000 --voxels 16x16x16 -o larg
 ls-inject --info small.exr --stats info.json >/dev/null
 holds info.json '0 < s["result"]["filled_voxels"] < s["result"]["voxels"] // 2'
 holds few.json 's["result"]["shafts"] <= 3 * s["result"]["deposits"]'
-holds few.json 's["result"]["cache_memory_bytes"] <= 16 * (16 ** 3 + 1) + 52 * s["result"]["shafts"]'
+holds few.json 's["result"]["groups"] <= 2 * s["result"]["shafts"]'
+holds few.json 's["result"]["cache_memory_bytes"] == 16 * (16 ** 3 + 1) + 36 * s["result"]["shafts"] + 8 * s["result"]["groups"]'
 [ $(($(stat -c %s large.exr) / $(stat -c %s small.exr))) -ge 4 ] || echo "a cache of a hundredth of the photons is as large"
 
 # Positions in the next frame only for motion
