@@ -21,6 +21,15 @@ int floor_div(int a, int b) {
 
 } // namespace
 
+Mask blue_mask(double sigma_px) {
+    MaskConfig config;
+    config.sigma_px = sigma_px;
+    Progress progress;
+    Mask mask{mask_ranks(config, progress), 64 * 64, ""};
+    mask.hash = mask_hash(mask.values);
+    return mask;
+}
+
 Array2D<uint32_t> sorted_seeds(const Array2D<uint32_t>& seeds, const Array2D<float>& intensities,
                                const Array2D<uint32_t>& mask, const Array2D<uint32_t>& surfaces,
                                int block, Imath::V2i origin, Imath::V2i mask_offset) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/array2d.h"
+#include "bluenoise/mask_file.h"
 
 #include <Imath/ImathVec.h>
 
@@ -9,6 +10,9 @@
 #include <vector>
 
 namespace ql::reference {
+
+// 64 x 64, by void and cluster.
+Mask blue_mask(double sigma_px);
 
 // Blocks of side B whose lattice starts at `origin`. All intensities of a block must differ, and so
 // must its mask values.

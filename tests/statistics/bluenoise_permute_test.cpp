@@ -2,6 +2,7 @@
 // Gaussian of 1 px leaves, relative to white noise, at frame 24.
 #include "bluenoise/permute.h"
 #include "bluenoise/retarget_solve.h"
+#include "reference/permute_reference.h"
 #include "sampling/random.h"
 
 #include <gtest/gtest.h>
@@ -12,16 +13,9 @@
 namespace ql {
 namespace {
 
-constexpr int kSide = 256;
+using reference::blue_mask;
 
-Mask blue_mask(double sigma_px) {
-    MaskConfig config;
-    config.sigma_px = sigma_px;
-    Progress progress;
-    Mask mask{mask_ranks(config, progress), 64 * 64, ""};
-    mask.hash = mask_hash(mask.values);
-    return mask;
-}
+constexpr int kSide = 256;
 
 RetargetTexture texture(const Mask& mask, const Imath::V2i& step = lattice_step(64, 64)) {
     RetargetConfig config;

@@ -5,6 +5,7 @@
 #include "bluenoise/retarget_solve.h"
 #include "distribution/frame_sequence.h"
 #include "metrics/spectrum.h"
+#include "reference/permute_reference.h"
 #include "reference/scene_builder.h"
 
 #include <gtest/gtest.h>
@@ -15,15 +16,6 @@ namespace {
 using namespace reference;
 
 constexpr int kSide = 256;
-
-Mask blue_mask(double sigma_px) {
-    MaskConfig config;
-    config.sigma_px = sigma_px;
-    Progress progress;
-    Mask mask{mask_ranks(config, progress), 64 * 64, ""};
-    mask.hash = mask_hash(mask.values);
-    return mask;
-}
 
 // A few millimetres of a floor below a strip lamp at a height of 1 m.
 Scene flat_scene() {
