@@ -1,5 +1,6 @@
 // bn-render: path-traced frames whose random numbers follow from one 32-bit seed per pixel.
 #include "cli/permute_options.h"
+#include "cli/path_options.h"
 #include "cli/render_output.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
@@ -16,7 +17,6 @@ struct Options {
     cli::SceneOptions scene;
     cli::PermuteOptions permute;
     SequenceConfig sequence;
-    bool no_roulette = false;
     bool similar = false, demodulate = false;
     cli::RenderOutput output;
     std::string accumulate, seeds, seeds_out;
@@ -40,11 +40,8 @@ void declare(cli::Tool& tool, Options& o) {
         .add_option("--max-depth", o.sequence.render.path.max_depth,
                     "Scatterings between light and camera; 1 is direct light alone")
         ->check(CLI::Range(1, 1 << 16));
-    tool.app
-        .add_option("--roulette-depth", o.sequence.render.path.roulette_depth,
-                    "Scatterings before Russian roulette sets in")
-        ->check(CLI::Range(1, 1 << 16));
-    tool.app.add_flag("--no-roulette", o.no_roulette, "No Russian roulette");
+    cli::add_path_options(tool, o.sequence.render.path.roulette_depth,
+                          o.sequence.render.path.all_lights);
     tool.app
         .add_option_function<std::string>(
             "--light-sampling",
@@ -204,7 +201,6 @@ void report(const Options& o, cli::Session& session, const RayCounts& rays) {
 
 void run(Options& o, cli::Session& session) {
     check(o);
-    if (o.no_roulette) o.sequence.render.path.roulette_depth = 0;
     const bool lit_by_sky = o.sequence.render.path.sky != V3f(0, 0, 0);
     const cli::OpenScene open =
         cli::open_scene(session, o.scene,

@@ -1,4 +1,5 @@
 // ls-sample: an image of a glTF scene whose indirect light is read from a Linespace cache.
+#include "cli/path_options.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
 #include "linespace/cache_file.h"
@@ -29,7 +30,6 @@ struct Options {
     std::optional<double> smoothing; // none: kDefaultSmoothing where the cache has groups
     Length blur;
     int max_depth = 0; // 0: that of the cache
-    bool no_roulette = false;
     bool any_scene = false;
     bool strict = false;
     bool use_candidates = false;
@@ -127,11 +127,7 @@ void declare(cli::Tool& tool, Options& o) {
     tool.app.add_option("--exposure", o.exposure_stops,
                         "Stops by which PNG pictures are brightened");
     tool.app.add_option("--spp", o.sample.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 24));
-    tool.app
-        .add_option("--roulette-depth", o.sample.read.roulette_depth,
-                    "Scatterings before Russian roulette sets in")
-        ->check(CLI::Range(1, 1 << 16));
-    tool.app.add_flag("--no-roulette", o.no_roulette, "No Russian roulette");
+    cli::add_path_options(tool, o.sample.read.roulette_depth, o.sample.read.all_lights);
     tool.app
         .add_option_function<std::string>(
             "--layers",
@@ -162,7 +158,6 @@ void check_cache(const Options& o, const CacheHeader& header, const Scene& scene
 void run(Options& o, cli::Session& session) {
     file_format(o.output, o.format);
     ReadConfig& read = o.sample.read;
-    if (o.no_roulette) read.roulette_depth = 0;
     if ((o.sample.layers & kLayerVariance) && o.sample.spp < 2)
         throw usage_error("--layers variance needs --spp 2 or more");
     const cli::OpenScene open = cli::open_scene(session, o.scene, cli::LightNeed::required);

@@ -31,10 +31,10 @@ void declare(cli::Tool& tool, Options& o) {
 void check_lights(const Options& o, const PosedScene& posed, cli::Session& session) {
     const std::string& path = o.scene.paths.front();
     const std::vector<MapLight> lights = map_lights(posed);
-    if (posed.lights().triangle_count() > 0)
-        session.warn(fmt::format("{}: {} emissive triangles are shown but light nothing "
+    if (const size_t emitters = posed.lights().emitter_count(); emitters > 0)
+        session.warn(fmt::format("{}: {} emissive triangles and shapes are shown but light nothing "
                                  "(see bn-render)",
-                                 path, posed.lights().triangle_count()));
+                                 path, emitters));
     if (lights.empty() && !o.scene.allow_dark)
         throw input_error("{}: no point, spot or directional light that shines (--allow-dark "
                           "renders it all the same)",

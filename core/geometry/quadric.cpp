@@ -59,6 +59,15 @@ ConeProfile profile_of(const ImplicitShape& shape) {
             (double(shape.radius_top) - double(shape.radius_bottom)) / height};
 }
 
+struct ConeAreas {
+    double side, bottom, top;
+};
+
+ConeAreas areas_of(const ImplicitShape& shape) {
+    const double b = double(shape.radius_bottom), t = double(shape.radius_top);
+    return {kPi * (b + t) * std::hypot(double(shape.height), b - t), kPi * b * b, kPi * t * t};
+}
+
 // Side of the cone: x^2 + z^2 = radius(y)^2, |y| <= half_height.
 void intersect_side(const ConeProfile& cone, const V3d& o, const V3d& d, double t_near,
                     double t_far, std::optional<QuadricHit>& nearest) {
@@ -116,6 +125,46 @@ std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d&
                    nearest);
     if (nearest) nearest->t += t_closest;
     return nearest;
+}
+
+double shape_area(const ImplicitShape& shape) {
+    if (shape.kind == ImplicitShape::Kind::sphere)
+        return 4 * kPi * double(shape.radius) * double(shape.radius);
+    const ConeAreas areas = areas_of(shape);
+    return areas.side + areas.bottom + areas.top;
+}
+
+BodyPoint uniform_point(const ImplicitShape& shape, double u, double v) {
+    const double phi = 2 * kPi * v;
+    // As turn() has it.
+    const V3d around(-std::cos(phi), 0, -std::sin(phi));
+    if (shape.kind == ImplicitShape::Kind::sphere) {
+        const double y = 1 - 2 * u, ring = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
+        const V3d normal = around * ring + V3d(0, y, 0);
+        return {normal * double(shape.radius), normal, {float(v), float(std::acos(y) / kPi)}};
+    }
+    const ConeProfile cone = profile_of(shape);
+    const ConeAreas areas = areas_of(shape);
+    double left = u * (areas.side + areas.bottom + areas.top);
+    if (left < areas.side) {
+        // Height h in [0, 1]: rings of radius b + (t - b) h, whose sum up to h is the area below.
+        const double b = cone.bottom, t = double(shape.radius_top);
+        const double sum = left / areas.side * (b + t) / 2;
+        const double root = std::sqrt(std::max(0.0, b * b + 2 * (t - b) * sum));
+        const double h = std::min(1.0, 2 * sum / (b + root));
+        const V3d outward = (around - V3d(0, cone.slope, 0)).normalized();
+        const double y = (2 * h - 1) * cone.half_height;
+        return {around * cone.radius(y) + V3d(0, y, 0), outward, {float(v), float(1 - h)}};
+    }
+    left -= areas.side;
+    const bool is_top = left >= areas.bottom;
+    const double area = is_top ? areas.top : areas.bottom;
+    const double share = std::min(1.0, (is_top ? left - areas.bottom : left) / area);
+    const double ring = std::sqrt(share), side = is_top ? 1 : -1;
+    const double radius = is_top ? double(shape.radius_top) : cone.bottom;
+    return {around * (ring * radius) + V3d(0, side * cone.half_height, 0),
+            V3d(0, side, 0),
+            {float(v), float(ring)}};
 }
 
 V3d off_cone_rim(const ImplicitShape& shape, const V3d& p, double margin) {

@@ -20,6 +20,15 @@ struct QuadricHit {
 std::optional<QuadricHit> intersect_shape(const ImplicitShape& shape, const V3d& origin,
                                           const V3d& direction, double t_near, double t_far);
 
+double shape_area(const ImplicitShape& shape);
+
+struct BodyPoint {
+    V3d position, normal; // outward, unit length
+    V2f uv;               // as of a hit there
+};
+// Uniform over the surface for u, v uniform in [0, 1). The area must not be 0.
+BodyPoint uniform_point(const ImplicitShape& shape, double u, double v);
+
 // A point on a cone, moved along its surface until it is `margin` away from the rims, or where it
 // is.
 V3d off_cone_rim(const ImplicitShape& cone, const V3d& p, double margin);

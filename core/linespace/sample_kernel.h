@@ -33,6 +33,7 @@ struct ReadConfig {
     int roulette_depth = 3; // as in PathConfig
     int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
     GlossyLimits glossy;
+    bool all_lights = false; // as in PathConfig
     double blur = 0;        // radius of the look-up disc; of a voxel's shortest side
     float shaft_jitter = 0; // width of the box that look-ups are moved in, in patches
     Fallback fallback = Fallback::never;
@@ -68,7 +69,8 @@ template<uint32_t Lobes, uint32_t Attributes>
 class ReadKernel {
   public:
     ReadKernel(const ReadContext& context, ReadCounts& counts)
-        : m_context(context), m_world(context.rays.world()), m_counts(counts) {}
+        : m_context(context), m_world(context.rays.world()),
+          m_first_choice(context.lights.choice(context.config.all_lights)), m_counts(counts) {}
 
     ReadSample trace(const Ray& camera_ray, const PixelRandom& random, uint32_t alpha_key) const {
         ReadSample sample;
@@ -104,6 +106,7 @@ class ReadKernel {
     void follow(Path path, const PixelRandom& random, ReadSample& sample) const;
     bool find_hit(Path& path) const;
     V3f lit_by_lights(const PartedVertex& v, const Path& path, const PixelRandom& random) const;
+    V3f lit_by(const PartedVertex& v, const LightSample& light, const Path& path) const;
     V3f emitted(const SurfacePoint& point, const Material& material, const Path& path,
                 float distance) const;
     bool read(const PartedVertex& v, Path& path, const V3f& wi, const PixelRandom& random,
@@ -117,6 +120,7 @@ class ReadKernel {
 
     const ReadContext& m_context;
     const World& m_world;
+    LightChoice m_first_choice;
     ReadCounts& m_counts;
 };
 
@@ -125,28 +129,40 @@ template<uint32_t Lobes, uint32_t Attributes>
 V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Path& path,
                                                  const PixelRandom& random) const {
     const RandomWords words = random.words(path.block(1));
-    const auto light = m_context.lights.sample(v.at.position, unit_double(words[0], words[1]),
-                                               {unit_float(words[2]), unit_float(words[3])});
-    if (!light) return V3f(0);
-    const V3f wi = v.at.frame.local_from_world(light->direction);
-    if (wi.z * v.at.ng.dot(light->direction) <= 0) return V3f(0);
+    const LightChoice choice =
+        path.scatterings == 0 ? m_first_choice : LightChoice::one;
+    const LightSet& lights = m_context.lights;
+    V3f sum(0);
+    for (size_t i = 0; i < lights.sample_count(choice); ++i) {
+        const auto light = lights.sample(v.at.position, choice, i, unit_double(words[0], words[1]),
+                                         {unit_float(words[2]), unit_float(words[3])});
+        if (light) sum += lit_by(v, *light, path);
+    }
+    return sum;
+}
+
+template<uint32_t Lobes, uint32_t Attributes>
+V3f ReadKernel<Lobes, Attributes>::lit_by(const PartedVertex& v, const LightSample& light,
+                                          const Path& path) const {
+    const V3f wi = v.at.frame.local_from_world(light.direction);
+    if (wi.z * v.at.ng.dot(light.direction) <= 0) return V3f(0);
     V3f scattered = v.reads() ? read_value<Lobes>(v, wi).value : V3f(0);
     if (v.p_trace > 0) {
         const BsdfValue traced = value_and_pdf_bsdf<Lobes>(v.traced, v.at.wo_local, wi);
         const float weight =
-            light->pdf_solid_angle > 0
-                ? detail::mis_weight(light->pdf_solid_angle, traced.pdf_solid_angle * v.p_trace)
+            light.pdf_solid_angle > 0
+                ? detail::mis_weight(light.pdf_solid_angle, traced.pdf_solid_angle * v.p_trace)
                 : 1;
         scattered += traced.value * weight;
     }
     if (detail::is_black(scattered)) return V3f(0);
     Ray ray;
-    ray.origin = offset_origin(v.at.position, v.at.ng, v.at.offset, light->direction);
-    ray.direction = light->distant ? light->direction : light->target - ray.origin;
-    ray.t_far = light->distant ? kInfinity : 1.0f;
+    ray.origin = offset_origin(v.at.position, v.at.ng, v.at.offset, light.direction);
+    ray.direction = light.distant ? light.direction : light.target - ray.origin;
+    ray.t_far = light.distant ? kInfinity : 1.0f;
     ++m_counts.rays.shadow;
     if (m_context.rays.is_occluded(ray, path.key() ^ 0x5bd1e995u)) return V3f(0);
-    return detail::times(scattered, light->weight);
+    return detail::times(scattered, light.weight);
 }
 
 template<uint32_t Lobes, uint32_t Attributes>
@@ -158,8 +174,11 @@ V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Mate
     if (detail::is_black(radiance)) return radiance;
     float weight = 1;
     if (path.emission == Emission::by_mis)
-        weight = detail::mis_weight(path.pdf_solid_angle, m_context.lights.pdf_solid_angle(
-                                                              point, path.ray.direction, distance));
+        weight = detail::mis_weight(
+            path.pdf_solid_angle,
+            m_context.lights.pdf_solid_angle(point, path.ray.direction, distance,
+                                             path.scatterings == 1 ? m_first_choice
+                                                                   : LightChoice::one));
     // The power of two first: with a small weight it would leave the range of float.
     return radiance * m_context.lights.stored_from_real() * weight;
 }

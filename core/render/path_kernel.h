@@ -2,7 +2,8 @@
 // requires.
 //
 // Estimator: Kajiya 1986 in the form of Veach 1997, chapter 9: at every vertex one light is chosen
-// by power, one direction by the BSDF, both weighted by the power heuristic. Radiance in units of
+// (at the first each, if that is asked for), one direction by the BSDF, both weighted by the power
+// heuristic. Radiance in units of
 // LightSet (real values times 2^-exponent). A path's random numbers are those of its PixelRandom:
 //   block 0: position in the pixel (x, y), key of alpha decisions
 //   block 1 + 2 d: choice of the light (two words), point on it     at scattering d = 0, 1, ...
@@ -31,6 +32,7 @@ struct PathConfig {
     int max_depth = 5;      // scatterings at most, at least 1; 1 is direct light alone
     int roulette_depth = 3; // scatterings before Russian roulette sets in; 0 never
     LightSampling light_sampling = LightSampling::mis;
+    bool all_lights = false; // LightChoice::each at the first vertex
     V3f sky = {0, 0, 0}; // radiance of rays that leave the scene, W/(m^2 sr)
 };
 
@@ -107,7 +109,8 @@ template<uint32_t Lobes, uint32_t Attributes, class Observer>
 class PathKernel {
   public:
     PathKernel(const PathContext& context, Observer& observer)
-        : m_context(context), m_world(context.scene.world()), m_observer(observer) {}
+        : m_context(context), m_world(context.scene.world()),
+          m_first_choice(context.lights.choice(context.config.all_lights)), m_observer(observer) {}
 
     // Random: PixelRandom, or anything with its words() and block().
     template<class Random>
@@ -128,13 +131,16 @@ class PathKernel {
     };
 
     V3f emitted(const SurfacePoint& point, const Material& material, const Ray& ray, float distance,
-                float bsdf_pdf) const;
+                float bsdf_pdf, LightChoice choice) const;
     Vertex vertex_at(const SurfacePoint& point, const Material& material, const V3f& wo) const;
-    V3f lit_by_lights(const Vertex& vertex, const RandomWords& words, uint32_t alpha_key) const;
+    V3f lit_by_lights(const Vertex& vertex, LightChoice choice, const RandomWords& words,
+                      uint32_t alpha_key) const;
+    V3f lit_by(const Vertex& vertex, const LightSample& light, uint32_t alpha_key) const;
     bool is_lit(const Vertex& vertex, const LightSample& light, uint32_t alpha_key) const;
 
     const PathContext& m_context;
     const World& m_world;
+    LightChoice m_first_choice;
     Observer& m_observer;
 };
 
@@ -143,13 +149,15 @@ class PathKernel {
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
 V3f PathKernel<Lobes, Attributes, Observer>::emitted(const SurfacePoint& point,
                                                      const Material& material, const Ray& ray,
-                                                     float distance, float bsdf_pdf) const {
+                                                     float distance, float bsdf_pdf,
+                                                     LightChoice choice) const {
     const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
                                                 surface_input(point, -ray.direction));
     if (detail::is_black(radiance)) return radiance;
     float weight = 1;
     if (bsdf_pdf > 0 && m_context.config.light_sampling != LightSampling::bsdf) {
-        const float light_pdf = m_context.lights.pdf_solid_angle(point, ray.direction, distance);
+        const float light_pdf =
+            m_context.lights.pdf_solid_angle(point, ray.direction, distance, choice);
         if (m_context.config.light_sampling == LightSampling::mis)
             weight = detail::mis_weight(bsdf_pdf, light_pdf);
         else if (light_pdf > 0)
@@ -193,24 +201,36 @@ bool PathKernel<Lobes, Attributes, Observer>::is_lit(const Vertex& vertex, const
     return !m_context.scene.is_occluded(ray, alpha_key);
 }
 
-// Next-event estimation: one light, weighted against having been found by the BSDF.
+// Next-event estimation. Only one sample is of an area, so that all may share their numbers.
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
-V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex,
+V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex, LightChoice choice,
                                                            const RandomWords& words,
                                                            uint32_t alpha_key) const {
-    const auto light = m_context.lights.sample(vertex.position, unit_double(words[0], words[1]),
-                                               {unit_float(words[2]), unit_float(words[3])});
-    if (!light) return V3f(0);
-    const V3f wi_local = vertex.frame.local_from_world(light->direction);
+    const LightSet& lights = m_context.lights;
+    V3f sum(0);
+    for (size_t i = 0; i < lights.sample_count(choice); ++i) {
+        const auto light =
+            lights.sample(vertex.position, choice, i, unit_double(words[0], words[1]),
+                          {unit_float(words[2]), unit_float(words[3])});
+        if (light) sum += lit_by(vertex, *light, alpha_key);
+    }
+    return sum;
+}
+
+// By one light, weighted against having been found by the BSDF.
+template<uint32_t Lobes, uint32_t Attributes, class Observer>
+V3f PathKernel<Lobes, Attributes, Observer>::lit_by(const Vertex& vertex, const LightSample& light,
+                                                    uint32_t alpha_key) const {
+    const V3f wi_local = vertex.frame.local_from_world(light.direction);
     // What the shading frame takes for reflection must be reflection at the real surface too.
-    if (wi_local.z * vertex.ng.dot(light->direction) <= 0) return V3f(0);
+    if (wi_local.z * vertex.ng.dot(light.direction) <= 0) return V3f(0);
     const BsdfValue scattered = value_and_pdf_bsdf<Lobes>(vertex.bsdf, vertex.wo_local, wi_local);
     if (detail::is_black(scattered.value)) return V3f(0);
     float weight = 1;
-    if (light->pdf_solid_angle > 0 && m_context.config.light_sampling == LightSampling::mis)
-        weight = detail::mis_weight(light->pdf_solid_angle, scattered.pdf_solid_angle);
-    if (!is_lit(vertex, *light, alpha_key)) return V3f(0);
-    return detail::times(scattered.value, light->weight) * weight;
+    if (light.pdf_solid_angle > 0 && m_context.config.light_sampling == LightSampling::mis)
+        weight = detail::mis_weight(light.pdf_solid_angle, scattered.pdf_solid_angle);
+    if (!is_lit(vertex, light, alpha_key)) return V3f(0);
+    return detail::times(scattered.value, light.weight) * weight;
 }
 
 template<uint32_t Lobes, uint32_t Attributes, class Observer>
@@ -239,7 +259,8 @@ PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
 
         // Add what the surface emits.
         if (m_context.has_emission) {
-            const V3f radiance = emitted(point, material, ray, hit.t, bsdf_pdf);
+            const LightChoice choice = depth == 1 ? m_first_choice : LightChoice::one;
+            const V3f radiance = emitted(point, material, ray, hit.t, bsdf_pdf, choice);
             (depth <= 1 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
         if (depth == config.max_depth) break;
@@ -250,8 +271,9 @@ PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
 
         // Add light that comes straight from the lights.
         if (!m_context.lights.empty() && config.light_sampling != LightSampling::bsdf) {
-            const V3f radiance =
-                lit_by_lights(vertex, random.words(uint32_t(1 + 2 * depth)), ray_key ^ 0x5bd1e995u);
+            const LightChoice choice = depth == 0 ? m_first_choice : LightChoice::one;
+            const V3f radiance = lit_by_lights(
+                vertex, choice, random.words(uint32_t(1 + 2 * depth)), ray_key ^ 0x5bd1e995u);
             (depth == 0 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
 

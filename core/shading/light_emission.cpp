@@ -29,7 +29,7 @@ LightEmission::LightEmission(const LightSet& lights)
         m_is_punctual &= light.kind != Light::Kind::directional;
         m_greatest_intensity = std::max(m_greatest_intensity, double(mean(light.intensity)));
     }
-    for (size_t i = 0; i < lights.m_triangles.size(); ++i)
+    for (size_t i = 0; i < lights.emitter_count(); ++i)
         m_is_punctual &= !(lights.m_pick.probability(lights.m_punctual.size() + i) > 0);
 }
 
@@ -37,7 +37,11 @@ EmittedPhoton LightEmission::sample(double u_pick, V2f u_position, V2f u_directi
     const DiscreteSample pick = m_lights.m_pick.sample(u_pick);
     EmittedPhoton photon;
     const size_t punctual = m_lights.m_punctual.size();
-    if (pick.index >= punctual) {
+    const size_t triangles = m_lights.m_triangles.size();
+    if (pick.index >= punctual + triangles) {
+        photon = from_shape(m_lights.m_shapes[pick.index - punctual - triangles], u_position,
+                            pick.u, u_direction);
+    } else if (pick.index >= punctual) {
         photon = from_triangle(m_lights.m_triangles[pick.index - punctual], u_position, pick.u,
                                u_direction);
     } else {
@@ -101,17 +105,36 @@ EmittedPhoton LightEmission::from_far(const LightSet::Punctual& light, V2f u) co
     return {origin, light.axis, light.intensity * (kPi * radius * radius), V3f(0)};
 }
 
+namespace {
+
+// From a point of an emitter, on one of its sides; flux is that of one side.
+EmittedPhoton from_emitter(const V3f& at, const V3f& front, float offset, bool double_sided,
+                           float u_side, V2f u_direction, const V3f& flux) {
+    const V3f normal = double_sided && u_side < 0.5f ? -front : front;
+    const V3f direction =
+        frame_from_normal(normal).world_from_local(square_to_cosine_hemisphere(u_direction));
+    return {offset_origin(at, front, offset, normal), direction,
+            flux * (double_sided ? 2.0f : 1.0f), V3f(0)};
+}
+
+} // namespace
+
 EmittedPhoton LightEmission::from_triangle(const LightSet::Triangle& light, V2f u_position,
                                            float u_side, V2f u_direction) const {
     const V2f b = square_to_uniform_triangle(u_position);
-    const V3f at = light.corner + light.edge1 * b.x + light.edge2 * b.y;
-    const bool back = light.double_sided && u_side < 0.5f;
-    const V3f normal = back ? -light.normal : light.normal;
-    const V3f direction =
-        frame_from_normal(normal).world_from_local(square_to_cosine_hemisphere(u_direction));
-    const float sides = light.double_sided ? 2 : 1;
-    return {offset_origin(at, light.normal, light.offset, normal), direction,
-            m_lights.triangle_radiance(light, b.x, b.y) * (kPi * light.area * sides), V3f(0)};
+    return from_emitter(light.corner + light.edge1 * b.x + light.edge2 * b.y, light.normal,
+                        light.offset, light.double_sided, u_side, u_direction,
+                        m_lights.triangle_radiance(light, b.x, b.y) * (kPi * light.area));
+}
+
+EmittedPhoton LightEmission::from_shape(const ShapeLight& light, V2f u_position, float u_side,
+                                        V2f u_direction) const {
+    const ShapePoint point = light.sample(u_position);
+    const Surface& surface = m_lights.m_world->surfaces[light.surface()];
+    return from_emitter(point.position, point.normal, surface.offset,
+                        m_lights.is_double_sided(light), u_side, u_direction,
+                        m_lights.shape_radiance(light, point.uv) *
+                            (kPi * light.area_at(point.normal)));
 }
 
 } // namespace ql

@@ -40,6 +40,8 @@ class LightEmission {
     EmittedPhoton from_far(const LightSet::Punctual& light, V2f u) const;
     EmittedPhoton from_triangle(const LightSet::Triangle& light, V2f u_position, float u_side,
                                 V2f u_direction) const;
+    EmittedPhoton from_shape(const ShapeLight& light, V2f u_position, float u_side,
+                             V2f u_direction) const;
 
     const LightSet& m_lights;
     double m_power = 0;

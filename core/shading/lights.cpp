@@ -86,25 +86,15 @@ float LightSet::Punctual::irradiance_at(const V3f& point) const {
 LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_exponent(world)) {
     m_stored_from_real = float(std::ldexp(1.0, -m_exponent));
     add_punctual(world);
-    add_triangles(world);
+    add_emitters(world);
     std::vector<double> powers;
-    powers.reserve(m_punctual.size() + m_triangles.size());
+    powers.reserve(m_punctual.size() + emitter_count());
     for (const Punctual& light : m_punctual)
         powers.push_back(punctual_power(light));
-    for (const Triangle& triangle : m_triangles) {
-        double radiance = 0;
-        for (int i = 0; i < kPowerSamples; ++i)
-            for (int j = 0; j < kPowerSamples; ++j) {
-                const V2f b = square_to_uniform_triangle(
-                    {(float(i) + 0.5f) / kPowerSamples, (float(j) + 0.5f) / kPowerSamples});
-                radiance += mean(triangle_radiance(triangle, b.x, b.y));
-                if (!triangle.textured) break;
-            }
-        const int samples = triangle.textured ? kPowerSamples * kPowerSamples : kPowerSamples;
-        powers.push_back(radiance / samples * kPiD * double(triangle.area) *
-                         (triangle.double_sided ? 2 : 1));
-    }
+    for (size_t i = 0; i < emitter_count(); ++i)
+        powers.push_back(emitter_power(i));
     m_pick = AliasTable(powers);
+    m_pick_emitter = AliasTable(std::span(powers).subspan(m_punctual.size()));
     for (size_t i = 0; i < m_punctual.size(); ++i)
         m_punctual_probability += m_pick.probability(i);
 }
@@ -134,39 +124,51 @@ void LightSet::add_punctual(const World& world) {
     }
 }
 
-void LightSet::add_triangles(const World& world) {
-    const Scene& scene = *world.scene;
-    m_first_triangle.assign(world.surfaces.size(), -1);
+void LightSet::add_emitters(const World& world) {
+    m_first_emitter.assign(world.surfaces.size(), -1);
+    const auto emits_light = [&](const Surface& surface) {
+        return emits(world.scene->materials[size_t(surface.material)]);
+    };
     for (uint32_t s = 0; s < world.surfaces.size(); ++s) {
         const Surface& surface = world.surfaces[s];
-        const Material& material = scene.materials[size_t(surface.material)];
-        if (surface.kind != Surface::Kind::triangles || !emits(material)) continue;
-        m_first_triangle[s] = int(m_triangles.size());
-        const Mesh& mesh = scene.meshes[size_t(surface.mesh)];
-        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-            const auto corners = triangle_corners(world, s, t);
-            Triangle triangle;
-            triangle.corner = corners[0];
-            triangle.edge1 = corners[1] - corners[0];
-            triangle.edge2 = corners[2] - corners[0];
-            const V3f cross = triangle.edge1.cross(triangle.edge2);
-            const float length = cross.length();
-            triangle.area = length / 2;
-            triangle.normal = length > 0 ? cross * (surface.winding / length) : V3f(0, 0, 1);
-            triangle.offset =
-                surface.instanced
-                    ? surface.offset
-                    : kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
-                                                detail::largest_coordinate(corners[1]),
-                                                detail::largest_coordinate(corners[2])});
-            triangle.surface = s;
-            triangle.primitive = t;
-            triangle.double_sided = material.double_sided;
-            triangle.textured = material.emission_texture.used() ||
-                                material.model == MaterialModel::unlit ||
-                                material.alpha_mode != AlphaMode::opaque;
-            m_triangles.push_back(triangle);
-        }
+        if (surface.kind != Surface::Kind::triangles || !emits_light(surface)) continue;
+        m_first_emitter[s] = int(m_triangles.size());
+        add_triangles(world, s);
+    }
+    for (uint32_t s = 0; s < world.surfaces.size(); ++s) {
+        const Surface& surface = world.surfaces[s];
+        if (surface.kind == Surface::Kind::triangles || !emits_light(surface)) continue;
+        m_first_emitter[s] = int(emitter_count());
+        m_shapes.emplace_back(world, s);
+    }
+}
+
+void LightSet::add_triangles(const World& world, uint32_t surface_index) {
+    const Surface& surface = world.surfaces[surface_index];
+    const Material& material = world.scene->materials[size_t(surface.material)];
+    const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto corners = triangle_corners(world, surface_index, t);
+        Triangle triangle;
+        triangle.corner = corners[0];
+        triangle.edge1 = corners[1] - corners[0];
+        triangle.edge2 = corners[2] - corners[0];
+        const V3f cross = triangle.edge1.cross(triangle.edge2);
+        const float length = cross.length();
+        triangle.area = length / 2;
+        triangle.normal = length > 0 ? cross * (surface.winding / length) : V3f(0, 0, 1);
+        triangle.offset = surface.instanced
+                              ? surface.offset
+                              : kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
+                                                          detail::largest_coordinate(corners[1]),
+                                                          detail::largest_coordinate(corners[2])});
+        triangle.surface = surface_index;
+        triangle.primitive = t;
+        triangle.double_sided = material.double_sided;
+        triangle.textured = material.emission_texture.used() ||
+                            material.model == MaterialModel::unlit ||
+                            material.alpha_mode != AlphaMode::opaque;
+        m_triangles.push_back(triangle);
     }
 }
 
@@ -191,6 +193,39 @@ double LightSet::punctual_power(const Punctual& light) const {
     return 0;
 }
 
+bool LightSet::is_double_sided(const ShapeLight& shape) const {
+    const Surface& surface = m_world->surfaces[shape.surface()];
+    return m_world->scene->materials[size_t(surface.material)].double_sided;
+}
+
+// Mean over a grid of points, where the radiance differs from place to place.
+double LightSet::emitter_power(size_t emitter) const {
+    const bool is_triangle = emitter < m_triangles.size();
+    const ShapeLight* const shape = is_triangle ? nullptr : &m_shapes[emitter - m_triangles.size()];
+    double radiance = 0;
+    for (int i = 0; i < kPowerSamples; ++i)
+        for (int j = 0; j < kPowerSamples; ++j) {
+            const V2f u((float(i) + 0.5f) / kPowerSamples, (float(j) + 0.5f) / kPowerSamples);
+            if (is_triangle) {
+                const V2f b = square_to_uniform_triangle(u);
+                radiance += mean(triangle_radiance(m_triangles[emitter], b.x, b.y));
+            } else if (shape->area() > 0) {
+                radiance += mean(shape_radiance(*shape, shape->sample(u).uv));
+            }
+        }
+    const double area = is_triangle ? double(m_triangles[emitter].area) : shape->area();
+    const bool both = is_triangle ? m_triangles[emitter].double_sided : is_double_sided(*shape);
+    return radiance / (kPowerSamples * kPowerSamples) * kPiD * area * (both ? 2 : 1);
+}
+
+V3f LightSet::shape_radiance(const ShapeLight& shape, const V2f& uv) const {
+    const Scene& scene = *m_world->scene;
+    const Material& material = scene.materials[size_t(m_world->surfaces[shape.surface()].material)];
+    const SurfaceInput input = surface_input_at(*m_world, shape.surface(), 0, uv.x, uv.y);
+    return emission_at<true>(scene.textures, material, input) *
+           (alpha_at<true>(scene.textures, material, input) * m_stored_from_real);
+}
+
 V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) const {
     const Scene& scene = *m_world->scene;
     const Surface& surface = m_world->surfaces[triangle.surface];
@@ -203,11 +238,28 @@ V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) co
            (alpha_at<true>(scene.textures, material, input) * m_stored_from_real);
 }
 
-std::optional<LightSample> LightSet::sample(const V3f& from, double u_pick, V2f u) const {
+LightChoice LightSet::choice(bool each) const {
+    const bool possible = sample_count(LightChoice::each) > 1 && m_punctual.size() <= kMostCompared;
+    return each && possible ? LightChoice::each : LightChoice::one;
+}
+
+size_t LightSet::sample_count(LightChoice choice) const {
+    if (choice == LightChoice::one) return 1;
+    return m_punctual.size() + (m_pick_emitter.empty() ? 0 : 1);
+}
+
+std::optional<LightSample> LightSet::sample(const V3f& from, LightChoice choice, size_t i,
+                                            double u_pick, V2f u) const {
+    if (choice == LightChoice::one) return sample_one(from, u_pick, u);
+    if (i < m_punctual.size()) return sample_punctual(m_punctual[i], from, 1);
+    const auto pick = m_pick_emitter.sample(u_pick);
+    return sample_emitter(pick.index, from, u, pick.probability);
+}
+
+std::optional<LightSample> LightSet::sample_one(const V3f& from, double u_pick, V2f u) const {
     const auto pick = m_pick.sample(u_pick);
     if (pick.index >= m_punctual.size())
-        return sample_triangle(m_triangles[pick.index - m_punctual.size()], from, u,
-                               pick.probability);
+        return sample_emitter(pick.index - m_punctual.size(), from, u, pick.probability);
     if (m_punctual.size() > 1 && m_punctual.size() <= kMostCompared)
         return sample_brightest(from, pick.u);
     return sample_punctual(m_punctual[pick.index], from, pick.probability);
@@ -257,37 +309,66 @@ std::optional<LightSample> LightSet::sample_punctual(const Punctual& light, cons
     return sample;
 }
 
-std::optional<LightSample> LightSet::sample_triangle(const Triangle& triangle, const V3f& from,
-                                                     V2f u, float probability) const {
-    const V2f b = square_to_uniform_triangle(u);
-    const V3f at = triangle.corner + triangle.edge1 * b.x + triangle.edge2 * b.y;
+std::optional<LightSample> LightSet::sample_emitter(size_t emitter, const V3f& from, V2f u,
+                                                    float probability) const {
+    const bool is_triangle = emitter < m_triangles.size();
+    V3f at, normal;
+    V2f place; // barycentric or texture coordinates
+    float area, offset;
+    bool double_sided;
+    if (is_triangle) {
+        const Triangle& triangle = m_triangles[emitter];
+        place = square_to_uniform_triangle(u);
+        at = triangle.corner + triangle.edge1 * place.x + triangle.edge2 * place.y;
+        normal = triangle.normal;
+        area = triangle.area;
+        offset = triangle.offset;
+        double_sided = triangle.double_sided;
+    } else {
+        const ShapeLight& shape = m_shapes[emitter - m_triangles.size()];
+        const ShapePoint point = shape.sample(u);
+        place = point.uv;
+        at = point.position;
+        normal = point.normal;
+        area = shape.area_at(normal);
+        offset = m_world->surfaces[shape.surface()].offset;
+        double_sided = is_double_sided(shape);
+    }
     const V3f way = at - from;
     const float distance2 = way.dot(way);
     if (!(distance2 > 0)) return std::nullopt;
     LightSample sample;
     sample.direction = way / std::sqrt(distance2);
-    const float cosine = -sample.direction.dot(triangle.normal);
-    if (cosine == 0 || (cosine < 0 && !triangle.double_sided)) return std::nullopt;
+    const float cosine = -sample.direction.dot(normal);
+    if (cosine == 0 || (cosine < 0 && !double_sided)) return std::nullopt;
     sample.distant = false;
     // Where a ray meets the light is as uncertain as the coordinates of both of its ends.
-    const float offset = triangle.offset + kOffsetFactor * detail::largest_coordinate(from);
-    sample.target = offset_origin(at, triangle.normal, offset, -sample.direction);
-    sample.pdf_solid_angle = probability * distance2 / (std::abs(cosine) * triangle.area);
+    const float end_offset = offset + kOffsetFactor * detail::largest_coordinate(from);
+    sample.target = offset_origin(at, normal, end_offset, -sample.direction);
+    sample.pdf_solid_angle = probability * distance2 / (std::abs(cosine) * area);
     if (!std::isfinite(sample.pdf_solid_angle)) return std::nullopt;
-    sample.weight = triangle_radiance(triangle, b.x, b.y) / sample.pdf_solid_angle;
+    const V3f radiance = is_triangle
+                             ? triangle_radiance(m_triangles[emitter], place.x, place.y)
+                             : shape_radiance(m_shapes[emitter - m_triangles.size()], place);
+    sample.weight = radiance / sample.pdf_solid_angle;
     return sample;
 }
 
-float LightSet::pdf_solid_angle(const SurfacePoint& at, const V3f& direction,
-                                float distance) const {
-    const int first = m_first_triangle[at.surface];
+float LightSet::pdf_solid_angle(const SurfacePoint& at, const V3f& direction, float distance,
+                                LightChoice choice) const {
+    const int first = m_first_emitter[at.surface];
     if (first < 0) return 0;
-    const size_t index = size_t(first) + at.primitive;
-    const Triangle& triangle = m_triangles[index];
-    const float cosine = std::abs(direction.dot(triangle.normal));
-    if (!(cosine > 0) || triangle.area <= 0) return 0;
-    return m_pick.probability(m_punctual.size() + index) * distance * distance /
-           (cosine * triangle.area);
+    const size_t emitter = size_t(first) + at.primitive;
+    const bool is_triangle = emitter < m_triangles.size();
+    const V3f& normal = is_triangle ? m_triangles[emitter].normal : at.ng;
+    const float area = is_triangle ? m_triangles[emitter].area
+                                   : m_shapes[emitter - m_triangles.size()].area_at(normal);
+    const float cosine = std::abs(direction.dot(normal));
+    if (!(cosine > 0) || area <= 0) return 0;
+    const float probability = choice == LightChoice::one
+                                  ? m_pick.probability(m_punctual.size() + emitter)
+                                  : m_pick_emitter.probability(emitter);
+    return probability * distance * distance / (cosine * area);
 }
 
 } // namespace ql

@@ -74,6 +74,16 @@ Scene box_scene(const BoxScene& box) {
         add_quad(scene, wall, V3f(0.002f, 0.5f, 0.002f) * s, V3f(0, 0, 0.996f) * s,
                  V3f(0.996f, 0, 0) * s);
     if (box.has_block) add_block(scene, wall, V3f(0.3f, -0.001f, 0.25f) * s, 0.3f * s);
+    if (box.lamp_radius > 0) {
+        ImplicitShape lamp;
+        lamp.radius = box.lamp_radius * s;
+        lamp.material = add_material(scene, V3f(0), V3f(1));
+        scene.shapes.push_back(lamp);
+        Node node;
+        node.translation = V3d(0.4, 0.6, 0.5) * box.size;
+        node.shapes = {int(scene.shapes.size()) - 1};
+        scene.nodes.push_back(node);
+    }
     for (const BoxScene::PointLight& light : box.lights) {
         Light point;
         point.intensity = V3d(light.intensity * box.size * box.size);

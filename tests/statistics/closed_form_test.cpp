@@ -143,6 +143,50 @@ TEST(closed_form, emissive_triangle) {
     }
 }
 
+V3d radiance_near(const Plane& plane, const V3d& p, LightSampling sampling) {
+    RenderConfig config;
+    config.spp = 16384;
+    config.path.max_depth = 1;
+    config.path.light_sampling = sampling;
+    const View above{p + V3d(0.02, 0.03, 0.3), p, 0.002, 8, 8};
+    const Image image = render_scene(plane.builder.scene, above, config).image;
+    return {mean_of(image, "R"), mean_of(image, "G"), mean_of(image, "B")};
+}
+
+// A sphere wholly above the horizon lights a surface as its light does from its centre.
+TEST(closed_form, emissive_sphere) {
+    const V3d centre(0.3, -0.2, 1.7), p(0.9, 0.4, 0);
+    const double r = 0.6, d = (centre - p).length();
+    Plane plane;
+    plane.builder.add_sphere(centre, r, plane.builder.add_material(emitter(V3f(2))));
+    for (const LightSampling sampling :
+         {LightSampling::mis, LightSampling::lights, LightSampling::bsdf}) {
+        const V3d found = radiance_near(plane, p, sampling);
+        const double expected = double(kAlbedo.x) * 2 * (r * r) / (d * d) * ((centre - p).z / d);
+        EXPECT_NEAR(found.x / expected, 1, 0.004) << int(sampling);
+    }
+}
+
+// Stretched, turned and mirrored: what points on the shape find is what directions find.
+TEST(closed_form, emissive_shapes_are_sampled_as_they_are) {
+    ImplicitShape ball, cone;
+    cone.kind = ImplicitShape::Kind::cone;
+    cone.radius_top = 0.2f;
+    const M44d placed =
+        scaled({-1, 0.3, 0.7}) * rotated({0.4, 0.2, 1}, 0.8) * translated({0.1, 0.2, 1.2});
+    for (ImplicitShape shape : {ball, cone}) {
+        Plane plane;
+        shape.material = plane.builder.add_material(emitter(V3f(2)));
+        plane.builder.place_shape(shape, placed);
+        const V3d p(0.4, -0.1, 0);
+        const double by_points = radiance_near(plane, p, LightSampling::lights).x;
+        const double by_directions = radiance_near(plane, p, LightSampling::bsdf).x;
+        EXPECT_GT(by_points, 0.01);
+        EXPECT_NEAR(by_points / by_directions, 1, 0.006);
+        EXPECT_NEAR(radiance_near(plane, p, LightSampling::mis).x / by_directions, 1, 0.006);
+    }
+}
+
 TEST(closed_form, blended_screen_passes_its_share_of_light) {
     for (const float alpha : {0.0f, 0.3f, 1.0f}) {
         Plane plane;

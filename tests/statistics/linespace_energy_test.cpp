@@ -149,6 +149,12 @@ TEST(LinespaceEnergy, MeanOfIndirectLightIsThatOfPathTracing) {
     }
 }
 
+TEST(LinespaceEnergy, OfALampThatIsASphereIsThatOfPathTracing) {
+    const Posed p(reference::box_scene({.albedo = 0.7f, .lamp_radius = 0.1f}));
+    const double expected = path_traced_indirect(p, 6);
+    EXPECT_NEAR(indirect_ratio(p, injection(12, 4, 400000, 6), expected), 1, 0.015);
+}
+
 TEST(LinespaceEnergy, DoesNotDependOnHowPhotonsAreSplit) {
     const Posed p(reference::box_scene({.albedo = 0.5f, .lights = {{{0.5, 0.6, 0.5}, 1}}}));
     InjectConfig config = injection(6, 2, 100000, 6);
@@ -202,8 +208,6 @@ TEST(LinespaceSampling, KeepsTheDirectLightOfClosedSides) {
     traced.spp = 400;
     traced.aovs = kAovDirect;
     const auto seeds = fresh_seeds(3, 0, kPixels, kPixels);
-    const Image expected =
-        render_frame(p.posed, camera, seeds, traced, nullptr, kWorkers, progress).image;
     const LightCache cache = inject(p, injection(8, 4, 20000, 4));
     const ReadTable table(cache, p.space, p.posed.lights(), {1000}, kWorkers);
     SampleConfig config;
@@ -211,11 +215,16 @@ TEST(LinespaceSampling, KeepsTheDirectLightOfClosedSides) {
     config.read.roulette_depth = 0;
     config.spp = 400;
     config.layers = kLayerDirect;
-    const Image image =
-        sample_frame(p.posed, camera, table, nullptr, &sides, seeds, config, kWorkers, progress)
-            .image;
     // Indirect light is another matter: voxels that the table cuts mix both sides of it.
-    EXPECT_NEAR(mean_of(image, "direct") / mean_of(expected, "direct"), 1, 0.01);
+    for (const bool all_lights : {false, true}) {
+        config.read.all_lights = traced.path.all_lights = all_lights;
+        const Image expected =
+            render_frame(p.posed, camera, seeds, traced, nullptr, kWorkers, progress).image;
+        const Image image =
+            sample_frame(p.posed, camera, table, nullptr, &sides, seeds, config, kWorkers, progress)
+                .image;
+        EXPECT_NEAR(mean_of(image, "direct") / mean_of(expected, "direct"), 1, 0.01) << all_lights;
+    }
 }
 
 TEST(LinespaceEnergy, DoesNotDependOnTheUnitOfLengthNorOnHowALightIsSplit) {

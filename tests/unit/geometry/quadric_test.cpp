@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace ql {
 namespace {
@@ -136,6 +137,48 @@ TEST(quadric, grazing_rays_meet_or_miss) {
 }
 
 // As a node of the scene, squeezed and mirrored, against a fine mesh under the same node.
+double volume(const ImplicitShape& shape) {
+    if (shape.kind == ImplicitShape::Kind::sphere)
+        return 4 * std::numbers::pi / 3 * std::pow(double(shape.radius), 3);
+    const double b = double(shape.radius_bottom), t = double(shape.radius_top);
+    return std::numbers::pi / 3 * double(shape.height) * (b * b + b * t + t * t);
+}
+
+// The divergence theorem: over a closed surface n sums to 0, and p . n to thrice the volume.
+TEST(quadric, uniform_points_fill_the_surface_evenly) {
+    constexpr int kSide = 300;
+    for (size_t s = 0; s < shapes().size(); ++s) {
+        const ImplicitShape& shape = shapes()[s];
+        V3d normals(0);
+        double flux = 0;
+        for (int i = 0; i < kSide; ++i)
+            for (int j = 0; j < kSide; ++j) {
+                const BodyPoint p = uniform_point(shape, (i + 0.5) / kSide, (j + 0.5) / kSide);
+                normals += p.normal / (kSide * kSide);
+                flux += p.position.dot(p.normal) / (kSide * kSide);
+                EXPECT_NEAR(outside(shape, p.position), 0, 1e-12);
+                EXPECT_NEAR(p.normal.length(), 1, 1e-12);
+            }
+        EXPECT_LT(normals.length(), 0.01) << s;
+        EXPECT_NEAR(flux * shape_area(shape) / (3 * volume(shape)), 1, 0.01) << s;
+    }
+}
+
+TEST(quadric, uniform_points_have_the_coordinates_of_hits) {
+    CounterRandom random(5, 0);
+    for (size_t s = 0; s < shapes().size(); ++s)
+        for (int i = 0; i < 200; ++i) {
+            const RandomFloats u = random.next_block();
+            const BodyPoint p = uniform_point(shapes()[s], double(u[0]), double(u[1]));
+            const auto hit = intersect_shape(shapes()[s], p.position + p.normal, -p.normal, 0, 1e9);
+            ASSERT_TRUE(hit) << s;
+            EXPECT_NEAR(hit->t, 1, 1e-6);
+            EXPECT_NEAR(hit->normal.dot(p.normal), 1, 1e-9) << s;
+            EXPECT_NEAR(hit->uv.x, p.uv.x, 1e-4) << s;
+            EXPECT_NEAR(hit->uv.y, p.uv.y, 1e-4) << s;
+        }
+}
+
 TEST(quadric, equals_a_fine_mesh_under_any_transform) {
     const Workers workers(1);
     const M44d transforms[] = {

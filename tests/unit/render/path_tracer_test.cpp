@@ -121,6 +121,25 @@ TEST(path_tracer, direct_and_indirect_add_up) {
     }
 }
 
+// The same light without the noise of the choice.
+TEST(path_tracer, all_lights_at_the_first_vertex_change_nothing_but_the_noise) {
+    SceneBuilder b;
+    b.scene = cornell(lambert(V3f(0.5f)), emitter(V3f(12, 10, 8)));
+    b.place_light(point_light(V3d(1, 2, 3)), translated({0.3, 0.3, 0.3}));
+    RenderConfig config;
+    config.spp = 64;
+    config.path.max_depth = 1;
+    config.aovs = kAovVariance;
+    const FrameResult one = render_scene(b.scene, cornell_view(24), config);
+    config.path.all_lights = true;
+    const FrameResult each = render_scene(b.scene, cornell_view(24), config);
+    for (const char* channel : {"R", "B"})
+        EXPECT_NEAR(mean_of(each.image, channel) / mean_of(one.image, channel), 1, 0.01);
+    EXPECT_LT(mean_of(each.image, "variance.B"), 0.5 * mean_of(one.image, "variance.B"));
+    EXPECT_EQ(each.rays.camera, one.rays.camera);
+    EXPECT_GT(each.rays.shadow, 1.5 * double(one.rays.shadow));
+}
+
 // The variance channel says how far means of other seeds scatter.
 TEST(path_tracer, variance_channel_is_the_variance_of_the_mean) {
     RenderConfig config;

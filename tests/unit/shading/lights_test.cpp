@@ -24,7 +24,8 @@ World world_of(const Scene& scene) {
 std::optional<LightSample> sample(const LightSet& lights, const V3f& from, uint32_t i) {
     const PixelRandom random(9, i);
     const RandomWords w = random.words(0);
-    return lights.sample(from, unit_double(w[0], w[1]), {unit_float(w[2]), unit_float(w[3])});
+    return lights.sample(from, LightChoice::one, 0, unit_double(w[0], w[1]),
+                         {unit_float(w[2]), unit_float(w[3])});
 }
 
 // Three triangles of different power and orientation, one with two sides.
@@ -54,8 +55,9 @@ TEST(lights, densities_of_samples_are_those_asked_for_later) {
         ASSERT_TRUE(rays.intersect({from, 0, light->direction, kInfinity}, 0, hit));
         const Ray ray{from, 0, light->direction, kInfinity};
         const SurfacePoint at = surface_point<0>(world, ray, hit);
-        EXPECT_NEAR(lights.pdf_solid_angle(at, light->direction, hit.t) / light->pdf_solid_angle, 1,
-                    1e-3);
+        EXPECT_NEAR(lights.pdf_solid_angle(at, light->direction, hit.t, LightChoice::one) /
+                        light->pdf_solid_angle,
+                    1, 1e-3);
         ++samples;
     }
     EXPECT_GT(samples, 1000);
@@ -167,6 +169,54 @@ TEST(lights, of_both_kinds_add) {
     };
     EXPECT_NEAR(irradiance(true, true) / (irradiance(true, false) + irradiance(false, true)), 1,
                 0.01);
+}
+
+// Each lamp once, without chance, and the panel as if it were alone.
+TEST(lights, each_is_sampled_with_certainty) {
+    const auto scene = [](bool with_lamps) {
+        SceneBuilder b;
+        b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+        b.add_quad({-1, -1, 4}, {0, 2, 0}, {2, 0, 0}, b.add_material(emitter(V3f(8))));
+        if (with_lamps)
+            for (const double x : {-1.0, 2.0})
+                b.place_light(point_light(V3d(1 + x * x)), translated({x, 0, 3}));
+        return b.scene;
+    };
+    const Scene panel_alone = scene(false), together = scene(true);
+    const World alone_world = world_of(panel_alone), world = world_of(together);
+    const LightSet panel(alone_world), all(world);
+    const V3f from(V3d(world.space.from_world({0, 0, 0})));
+    ASSERT_EQ(all.sample_count(LightChoice::each), 3u);
+    for (size_t i = 0; i < 2; ++i) {
+        const double x = i == 0 ? -1 : 2;
+        const auto lamp = all.sample(from, LightChoice::each, i, 0.3, {0.1f, 0.7f});
+        ASSERT_TRUE(lamp);
+        EXPECT_NEAR(std::ldexp(double(lamp->weight.x), all.exponent()), (1 + x * x) / (x * x + 9),
+                    1e-4);
+        EXPECT_EQ(lamp->pdf_solid_angle, 0);
+    }
+    const auto here = all.sample(from, LightChoice::each, 2, 0.8, {0.1f, 0.7f});
+    const auto alone = panel.sample(from, LightChoice::one, 0, 0.8, {0.1f, 0.7f});
+    ASSERT_TRUE(here && alone);
+    EXPECT_NEAR(here->pdf_solid_angle / alone->pdf_solid_angle, 1, 1e-5);
+    EXPECT_NEAR(std::ldexp(double(here->weight.x), all.exponent()) /
+                    std::ldexp(double(alone->weight.x), panel.exponent()),
+                1, 1e-5);
+}
+
+TEST(lights, are_each_sampled_only_where_there_are_several_but_few) {
+    const auto choice = [](int lamps, bool wanted) {
+        SceneBuilder b;
+        b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
+        for (int i = 0; i < lamps; ++i)
+            b.place_light(point_light(V3d(1)), translated({double(i), 0, 3}));
+        return LightSet(world_of(b.scene)).choice(wanted);
+    };
+    EXPECT_EQ(choice(1, true), LightChoice::one);
+    EXPECT_EQ(choice(2, true), LightChoice::each);
+    EXPECT_EQ(choice(2, false), LightChoice::one);
+    EXPECT_EQ(choice(32, true), LightChoice::each);
+    EXPECT_EQ(choice(33, true), LightChoice::one);
 }
 
 TEST(lights, sides_that_do_not_shine_are_not_sampled) {
