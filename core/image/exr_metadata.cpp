@@ -112,7 +112,8 @@ Metadata exr_metadata(const Imf::Header& header) {
 void insert_exr_metadata(const Metadata& metadata, Imf::Header& header) {
     for (const auto& [key, value] : metadata) {
         const std::string name = name_in_file(key);
-        if (name.empty() || kContainerKeys.contains(name)) continue;
+        if (name.empty() || kContainerKeys.contains(name) || header.find(name) != header.end())
+            continue;
         if (const auto* i = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*i));
         if (const auto* f = std::get_if<float>(&value))
             header.insert(name, Imf::FloatAttribute(*f));

@@ -13,7 +13,7 @@ namespace ql {
 
 Metadata exr_metadata(const Imf::Header& header);
 
-// Strings and lists without content are left out.
+// Strings and lists without content are left out, and what the header has already.
 void insert_exr_metadata(const Metadata& metadata, Imf::Header& header);
 
 } // namespace ql

@@ -38,9 +38,9 @@ Imf::Header header_of(const Image& image, const Imath::V2i& display,
         header.channels().insert(plane.name, Imf::Channel(type));
     for (const auto& plane : image.uint_planes)
         header.channels().insert(plane.name, Imf::Channel(Imf::UINT));
-    insert_exr_metadata(image.metadata, header);
     if (!config.software.empty()) header.insert("Software", Imf::StringAttribute(config.software));
     header.insert("capDate", Imf::StringAttribute(config.date_time));
+    insert_exr_metadata(image.metadata, header);
     return header;
 }
 
