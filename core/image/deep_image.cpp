@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "image/atomic_file.h"
 #include "image/exr_check.h"
+#include "image/exr_stream.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
@@ -11,7 +12,6 @@
 #include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
@@ -33,42 +33,6 @@ constexpr uint64_t kMaxRowBytes = (uint64_t{1} << 31) - 1;
 std::string shown_name(const std::string& path, const char* standard) {
     return path == "-" ? standard : path;
 }
-
-class MemoryOutput : public Imf::OStream {
-  public:
-    MemoryOutput() : OStream("memory") {}
-    void write(const char* data, int size) override {
-        const size_t end = m_position + size_t(size);
-        if (m_bytes.size() < end) m_bytes.resize(end);
-        std::memcpy(m_bytes.data() + m_position, data, size_t(size));
-        m_position = end;
-    }
-    uint64_t tellp() override { return m_position; }
-    void seekp(uint64_t position) override { m_position = position; }
-    std::span<const std::byte> bytes() const { return m_bytes; }
-
-  private:
-    std::vector<std::byte> m_bytes;
-    size_t m_position = 0;
-};
-
-class MemoryInput : public Imf::IStream {
-  public:
-    explicit MemoryInput(std::span<const std::byte> bytes) : IStream("memory"), m_bytes(bytes) {}
-    bool read(char* data, int size) override {
-        if (size < 0 || m_position > m_bytes.size() || m_bytes.size() - m_position < size_t(size))
-            throw std::runtime_error("the file ends early");
-        std::memcpy(data, m_bytes.data() + m_position, size_t(size));
-        m_position += size_t(size);
-        return m_position < m_bytes.size();
-    }
-    uint64_t tellg() override { return m_position; }
-    void seekg(uint64_t position) override { m_position = position; }
-
-  private:
-    std::span<const std::byte> m_bytes;
-    size_t m_position = 0;
-};
 
 Imf::PixelType pixel_type(const DeepChannel& channel) {
     return channel.type == DeepChannel::Type::uint32 ? Imf::UINT : Imf::FLOAT;
@@ -183,7 +147,7 @@ void check_row_sizes(const std::string& path, const DeepHeader& header,
 }
 
 void decode(std::span<const std::byte> bytes, DeepReader& reader) {
-    MemoryInput stream(bytes);
+    ExrMemoryInput stream(bytes);
     Imf::DeepScanLineInputFile file(stream);
     const DeepHeader header = header_of(file.header());
     const uint64_t most = reader.on_header(header);
@@ -221,7 +185,7 @@ void write_deep_image(const std::string& path, const DeepHeader& header,
     const auto width = size_t(header.width), height = size_t(header.height);
     QL_CHECK_EQ(sample_counts.size(), width * height);
     check_row_sizes(path, header, sample_counts);
-    MemoryOutput stream;
+    ExrMemoryOutput stream;
     try {
         Imf::Header exr(header.width, header.height);
         exr.compression() = Imf::ZIPS_COMPRESSION;

@@ -1,4 +1,4 @@
-// Looks through the chunks of a PNG before libpng does, which prints its complaints on stderr.
+// Looks through the chunks of a PNG before libpng does, which takes some damage for a warning.
 #pragma once
 
 #include <cstddef>

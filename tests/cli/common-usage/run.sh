@@ -10,7 +10,7 @@ for tool in $(all_tools); do
     expect "$tool" --version 0 "$tool" --version
     grep -qE "^$tool [0-9.]+ \(git [0-9a-f]+|unknown\)$" out.txt || echo "$tool: --version: $(cat out.txt)"
     expect "$tool" "--version -v" 0 "$tool" --version -v
-    grep -q OpenImageIO out.txt || echo "$tool: --version -v: no libraries"
+    grep -q OpenEXR out.txt || echo "$tool: --version -v: no libraries"
 
     arguments result.$EXT
     expect "$tool" "unknown flag" 2 "$tool" "${RUN[@]}" --no-such-flag
