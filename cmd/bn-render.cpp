@@ -1,6 +1,6 @@
 // bn-render: path-traced frames whose random numbers follow from one 32-bit seed per pixel.
-#include "cli/permute_options.h"
 #include "cli/path_options.h"
+#include "cli/permute_options.h"
 #include "cli/render_output.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"

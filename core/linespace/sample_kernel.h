@@ -34,8 +34,8 @@ struct ReadConfig {
     int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
     GlossyLimits glossy;
     bool all_lights = false; // as in PathConfig
-    double blur = 0;        // radius of the look-up disc; of a voxel's shortest side
-    float shaft_jitter = 0; // width of the box that look-ups are moved in, in patches
+    double blur = 0;         // radius of the look-up disc; of a voxel's shortest side
+    float shaft_jitter = 0;  // width of the box that look-ups are moved in, in patches
     Fallback fallback = Fallback::never;
 };
 
@@ -129,8 +129,7 @@ template<uint32_t Lobes, uint32_t Attributes>
 V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Path& path,
                                                  const PixelRandom& random) const {
     const RandomWords words = random.words(path.block(1));
-    const LightChoice choice =
-        path.scatterings == 0 ? m_first_choice : LightChoice::one;
+    const LightChoice choice = path.scatterings == 0 ? m_first_choice : LightChoice::one;
     const LightSet& lights = m_context.lights;
     V3f sum(0);
     for (size_t i = 0; i < lights.sample_count(choice); ++i) {
@@ -174,11 +173,10 @@ V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Mate
     if (detail::is_black(radiance)) return radiance;
     float weight = 1;
     if (path.emission == Emission::by_mis)
-        weight = detail::mis_weight(
-            path.pdf_solid_angle,
-            m_context.lights.pdf_solid_angle(point, path.ray.direction, distance,
-                                             path.scatterings == 1 ? m_first_choice
-                                                                   : LightChoice::one));
+        weight = detail::mis_weight(path.pdf_solid_angle,
+                                    m_context.lights.pdf_solid_angle(
+                                        point, path.ray.direction, distance,
+                                        path.scatterings == 1 ? m_first_choice : LightChoice::one));
     // The power of two first: with a small weight it would leave the range of float.
     return radiance * m_context.lights.stored_from_real() * weight;
 }

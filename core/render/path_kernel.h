@@ -33,7 +33,7 @@ struct PathConfig {
     int roulette_depth = 3; // scatterings before Russian roulette sets in; 0 never
     LightSampling light_sampling = LightSampling::mis;
     bool all_lights = false; // LightChoice::each at the first vertex
-    V3f sky = {0, 0, 0}; // radiance of rays that leave the scene, W/(m^2 sr)
+    V3f sky = {0, 0, 0};     // radiance of rays that leave the scene, W/(m^2 sr)
 };
 
 struct PathContext {

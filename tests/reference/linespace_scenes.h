@@ -16,7 +16,7 @@ struct BoxScene {
     bool has_block = false;  // 0.3 wide and high, its underside just below the floor
     bool has_table = false;  // a sheet at half the height, with a gap to the walls
     bool has_mirror = false; // the wall at z = 0 is a perfect mirror
-    float lamp_radius = 0; // of a sphere that shines with radiance 1, at (0.4, 0.6, 0.5)
+    float lamp_radius = 0;   // of a sphere that shines with radiance 1, at (0.4, 0.6, 0.5)
     struct PointLight {
         V3d position;     // in units of size
         double intensity; // W/sr at size 1; grows with size^2
