@@ -104,10 +104,11 @@ void render_one(const Options& o, const cli::OpenScene& open, const PosedScene& 
     RsmRenderer renderer(posed, camera, o.scene.size.width, o.scene.size.height, config,
                          session.workers(), session.progress());
 
-    // Add passes while there are some to come and time for one more.
+    // Add passes while there are some to come and time for one more; a variance needs two.
+    const int least_passes = config.aovs & kAovVariance ? 2 : 1;
     const auto begin = Clock::now();
     const auto fits = [&] {
-        if (!(o.rsm.time_limit_seconds > 0) || renderer.passes() == 0) return true;
+        if (!(o.rsm.time_limit_seconds > 0) || renderer.passes() < least_passes) return true;
         const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
         return seconds * (1 + 1.0 / renderer.passes()) <= o.rsm.time_limit_seconds;
     };

@@ -12,8 +12,7 @@ V3f Compensation::returned(const ReflectiveShadowMap& map, const Receiver& recei
     // See y from the light, if this map has it.
     const V3f y = ray.origin + ray.direction * hit.t;
     const auto at = map.projection.point(y);
-    if (!at.is_ahead || !(at.uv.x >= 0 && at.uv.x <= 1 && at.uv.y >= 0 && at.uv.y <= 1))
-        return V3f(0);
+    if (!at.is_inside()) return V3f(0);
     const Incidence incidence = incidence_at(map.light, y);
     if (incidence.irradiance == V3f(0, 0, 0)) return V3f(0);
     const RsmSurface surface = m_reader(m_scene.world(), ray, hit, incidence.to_light);
@@ -31,12 +30,9 @@ V3f Compensation::returned(const ReflectiveShadowMap& map, const Receiver& recei
     if (!(share > 0)) return V3f(0);
 
     // Is y lit?
-    Ray shadow;
-    shadow.origin = surface.position + surface.ng * surface.offset;
-    shadow.direction = incidence.distant ? incidence.to_light : incidence.target - shadow.origin;
-    shadow.t_far = incidence.distant ? kInfinity : 1.0f;
     ++counts.shadow;
-    if (m_scene.is_occluded(shadow, alpha_key)) return V3f(0);
+    const V3f origin = surface.position + surface.ng * surface.offset;
+    if (m_scene.is_occluded(incidence.shadow_ray(origin), alpha_key)) return V3f(0);
     return detail::times(incidence.irradiance, diffuse_albedo(surface)) * (cos_shading * share);
 }
 

@@ -50,11 +50,8 @@ V3f direct_by_rays(const EmbreeScene& scene, std::span<const MapLight> lights,
         const Incidence incidence = incidence_at(lights[i], surface.position);
         const V3f radiance = unshadowed(surface, incidence);
         if (radiance == V3f(0, 0, 0)) continue;
-        Ray ray;
-        ray.origin =
-            offset_origin(surface.position, surface.ng, surface.offset, incidence.to_light);
-        ray.direction = incidence.distant ? incidence.to_light : incidence.target - ray.origin;
-        ray.t_far = incidence.distant ? kInfinity : 1.0f;
+        const Ray ray = incidence.shadow_ray(
+            offset_origin(surface.position, surface.ng, surface.offset, incidence.to_light));
         ++shadow_rays;
         if (!scene.is_occluded(ray, alpha_key + uint32_t(i) * 0x85ebca6bu)) sum += radiance;
     }
@@ -65,8 +62,7 @@ V3f direct_by_maps(std::span<const ReflectiveShadowMap> maps, const RsmSurface& 
     V3f sum(0);
     for (const ReflectiveShadowMap& map : maps) {
         const auto at = map.projection.point(surface.position);
-        if (!at.is_ahead || !(at.uv.x >= 0 && at.uv.x <= 1 && at.uv.y >= 0 && at.uv.y <= 1))
-            continue;
+        if (!at.is_inside()) continue;
         const Incidence incidence = incidence_at(map.light, surface.position);
         const V3f radiance = unshadowed(surface, incidence);
         if (radiance == V3f(0, 0, 0)) continue;

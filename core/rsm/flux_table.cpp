@@ -8,11 +8,6 @@ namespace ql {
 
 namespace {
 
-// Most cells along a side: tables of half a MiB for each map.
-constexpr int kMostCells = 288;
-// Steps of the guide for a row; more than one save steps of the search.
-constexpr size_t kRowSteps = 4;
-
 // guide[k]: the first i with end[i] > k / steps. The last end is 1.
 template<class T, class Index>
 void fill_guide(const T* end, size_t n, Index* guide, size_t steps) {
@@ -61,7 +56,7 @@ FluxTable::FluxTable(std::span<const ReflectiveShadowMap> maps) {
     const auto cells = size_t(m_cells);
     const size_t rows = maps.size() * cells;
     m_end.resize(rows * cells);
-    m_guide.resize(rows * cells);
+    m_guide.resize(rows * cells * kSteps);
     std::vector<double> row_flux(rows), flux;
     double all = 0;
     for (const ReflectiveShadowMap& map : maps) {
@@ -76,11 +71,11 @@ FluxTable::FluxTable(std::span<const ReflectiveShadowMap> maps) {
         all += row_flux[row];
         if (!(row_flux[row] > 0)) continue; // never chosen
         accumulate(of_row, row_flux[row], &m_end[row * cells]);
-        fill_guide(&m_end[row * cells], cells, &m_guide[row * cells], cells);
+        fill_guide(&m_end[row * cells], cells, &m_guide[row * cells * kSteps], cells * kSteps);
     }
     if (!(all > 0) || !(float(1 / all) > 0) || !std::isfinite(float(1 / all))) return;
     m_row_end.resize(rows);
-    m_row_guide.resize(kRowSteps * rows);
+    m_row_guide.resize(rows * kSteps);
     accumulate<double>(row_flux, all, m_row_end.data());
     fill_guide(m_row_end.data(), rows, m_row_guide.data(), m_row_guide.size());
 
@@ -92,7 +87,7 @@ FluxTable::FluxTable(std::span<const ReflectiveShadowMap> maps) {
     }
 }
 
-uint32_t FluxTable::row(double u_row) const {
+uint32_t FluxTable::row(double u_row, float u_place) const {
     // Rounding of the product may reach the next step of a guide; go back then.
     const size_t steps = m_row_guide.size();
     size_t row = m_row_guide[std::min(size_t(u_row * double(steps)), steps - 1)];
@@ -100,12 +95,14 @@ uint32_t FluxTable::row(double u_row) const {
         --row;
     while (m_row_end[row] <= u_row)
         ++row;
+    __builtin_prefetch(&m_guide[guide_step(uint32_t(row), u_place)]);
     return uint32_t(row);
 }
 
-FluxTable::Choice FluxTable::choice(uint32_t row, double u_row, float u_place) const {
+FluxTable::Choice FluxTable::choice(uint32_t row, uint32_t first_column, double u_row,
+                                    float u_place) const {
     const float* end = &m_end[size_t(row) * size_t(m_cells)];
-    uint32_t column = m_guide[guide_cell(row, u_place)];
+    uint32_t column = first_column;
     while (column > 0 && end[column - 1] > u_place)
         --column;
     while (end[column] <= u_place)
@@ -121,7 +118,8 @@ FluxTable::Choice FluxTable::choice(uint32_t row, double u_row, float u_place) c
 }
 
 FluxTable::Choice FluxTable::sample(double u_row, float u_place) const {
-    return choice(row(u_row), u_row, u_place);
+    const uint32_t r = row(u_row, u_place);
+    return choice(r, first_column(r, u_place), u_row, u_place);
 }
 
 } // namespace ql

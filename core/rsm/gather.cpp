@@ -28,19 +28,17 @@ Gatherer::Gatherer(const EmbreeScene& scene, std::span<const ReflectiveShadowMap
 }
 
 V3f Gatherer::irradiance(const Receiver& receiver, const PassSamples& samples,
-                         const std::array<float, 3>& shift, uint32_t alpha_key,
-                         ShadowLog& log) const {
+                         const CellPlace& place, uint32_t alpha_key, ShadowLog& log) const {
     if (m_map_table.empty()) return V3f(0);
     SeenSum sum(m_scene, receiver, m_config.shadow_test, log);
     switch (m_config.gather) {
     case Gather::pattern: {
-        const SinCos turn = sin_cos_turns(shift[2]);
         for (size_t map = 0; map < m_maps.size(); ++map)
-            add_pattern(receiver, map, samples, turn, alpha_key_of(alpha_key, map), sum);
+            add_pattern(receiver, map, samples.disc, place, alpha_key_of(alpha_key, map), sum);
         break;
     }
     case Gather::importance:
-        if (!m_texel_table.empty()) add_importance(receiver, samples, shift, alpha_key, sum);
+        if (!m_texel_table.empty()) add_importance(receiver, samples, place, alpha_key, sum);
         break;
     case Gather::full:
         add_full(receiver, alpha_key, sum);

@@ -46,10 +46,10 @@ class Gatherer {
     Gatherer(const EmbreeScene& scene, std::span<const ReflectiveShadowMap> maps,
              const GatherConfig& config);
 
-    // samples: of the kind that the gather takes; shift: see ShiftSource; alpha_key: of the pixel
+    // samples: of the kind that the gather takes; place: see ShiftSource; alpha_key: of the pixel
     // and pass.
-    V3f irradiance(const Receiver& receiver, const PassSamples& samples,
-                   const std::array<float, 3>& shift, uint32_t alpha_key, ShadowLog& log) const;
+    V3f irradiance(const Receiver& receiver, const PassSamples& samples, const CellPlace& place,
+                   uint32_t alpha_key, ShadowLog& log) const;
 
     const GatherConfig& config() const { return m_config; }
     std::span<const ReflectiveShadowMap> maps() const { return m_maps; }
@@ -58,20 +58,22 @@ class Gatherer {
 
   private:
     struct Batch;
+    struct PatternWeight;
+    struct ImportanceJob;
+    struct ImportanceWeight;
 
     void add_full(const Receiver& receiver, uint32_t alpha_key, SeenSum& sum) const;
-    void add_pattern(const Receiver& receiver, size_t map, const PassSamples& samples,
-                     const SinCos& turn, uint32_t alpha_key, SeenSum& sum) const;
+    void add_pattern(const Receiver& receiver, size_t map, const DiscPoints& disc,
+                     const CellPlace& place, uint32_t alpha_key, SeenSum& sum) const;
     void add_importance(const Receiver& receiver, const PassSamples& samples,
-                        const std::array<float, 3>& shift, uint32_t alpha_key, SeenSum& sum) const;
-    void choose_by_flux(const PassSamples& samples, const std::array<float, 3>& shift, size_t begin,
-                        Batch& batch) const;
-    void choose_in_disc(const PassSamples& samples, const std::array<float, 3>& shift,
-                        std::span<const V2f> centres, size_t begin, Batch& batch) const;
-    float density(uint32_t map, const V2f& uv, const V2f& centre, const PassSamples& samples) const;
+                        const CellPlace& place, uint32_t alpha_key, SeenSum& sum) const;
+    void add_by_flux(const ImportanceJob& job, const CellPlace& place) const;
+    void add_around(const ImportanceJob& job, const CellPlace& place) const;
+    void add_importance_chunk(const ImportanceJob& job, const Batch& points,
+                              const uint32_t* map) const;
     template<class Weight>
-    void add_batch(const Receiver& receiver, const Batch& batch, uint32_t alpha_key,
-                   const Weight& weight, SeenSum& sum) const;
+    void add_batch(const Receiver& receiver, const TexelLevel& level, const Batch& batch,
+                   uint32_t alpha_key, const Weight& weight, SeenSum& sum) const;
 
     const EmbreeScene& m_scene;
     std::span<const ReflectiveShadowMap> m_maps;

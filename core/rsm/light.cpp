@@ -75,4 +75,9 @@ Incidence incidence_at(const MapLight& light, const V3f& point) {
     return incidence;
 }
 
+Ray Incidence::shadow_ray(const V3f& origin) const {
+    if (distant) return {origin, 0, to_light, kInfinity};
+    return {origin, 0, target - origin, 1};
+}
+
 } // namespace ql

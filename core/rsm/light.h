@@ -36,6 +36,9 @@ struct Incidence {
     bool distant = false;
     float distance = 0;         // infinite if distant
     V3f irradiance = {0, 0, 0}; // on a surface that faces the light
+
+    // From near the point to the light.
+    Ray shadow_ray(const V3f& origin) const;
 };
 Incidence incidence_at(const MapLight& light, const V3f& point);
 

@@ -83,7 +83,7 @@ Texels::Texels(size_t count)
       blue(count), radius2(count), offset(count), depth(count, kInfinity) {}
 
 size_t map_bytes(int size) {
-    return size_t(size) * size_t(size) * 120;
+    return size_t(size) * size_t(size) * 150;
 }
 
 int64_t ReflectiveShadowMap::texel_at(float u, float v) const {

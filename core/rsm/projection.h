@@ -28,6 +28,11 @@ class MapProjection {
         V2f uv = {0.5f, 0.5f}; // may lie outside the unit square
         float depth = 0;       // t of the ray that meets the point
         bool is_ahead = true;  // false: a perspective light cannot see it
+
+        // Does the light look there?
+        bool is_inside() const {
+            return is_ahead && uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
+        }
     };
     MapPoint point(const V3f& p) const;
 

@@ -3,21 +3,15 @@
 #include "base/check.h"
 #include "render/path_tracer.h"
 #include "rsm/interpolation.h"
-#include "rsm/sums.h"
 
 #include <chrono>
 #include <cmath>
 
 namespace ql {
 
-struct RsmRenderer::Sums {
-    PixelSumImage pixels;
-};
-
 namespace {
 
 constexpr int kTilePixels = 16;
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // All that the pixels of a pass share.
 struct PassJob {
@@ -26,7 +20,6 @@ struct PassJob {
     const RsmConfig& config;
     SurfaceReader reader;
     std::span<const MapLight> lights;
-    std::span<const ReflectiveShadowMap> maps;
     const Gatherer& gatherer;
     const Compensation& compensation;
     const PassSamples& samples;
@@ -94,17 +87,19 @@ void trace_alone(const PassJob& job, TileState& state) {
 }
 
 V3f gathered(const PassJob& job, const PixelHit& pixel, int x, int y, TileState& state) {
-    const auto gather = [&] {
+    const auto gather = [&](ShadowLog& log) {
         return job.gatherer.irradiance(pixel.receiver, job.samples,
-                                       job.shifts.shift(x, y, job.pass),
-                                       pixel.alpha_key ^ 0x5bd1e995u, state.log);
+                                       job.shifts.place(x, y, job.pass),
+                                       pixel.alpha_key ^ 0x5bd1e995u, log);
     };
-    if (job.config.measure == RayMeasure::off) return gather();
+    if (job.config.measure == RayMeasure::off) return gather(state.log);
+    // Gather again for the rays: what it costs to keep them is not that of the gather.
     constexpr size_t kEnoughRays = 1 << 14;
-    state.log.rays = &state.rays;
     const auto begin = Clock::now();
-    const V3f irradiance = gather();
+    const V3f irradiance = gather(state.log);
     state.counts.gather_ns += nanoseconds_since(begin);
+    ShadowLog again{0, &state.rays};
+    gather(again);
     if (state.rays.size() > kEnoughRays) trace_alone(job, state);
     return irradiance;
 }
@@ -123,7 +118,7 @@ void finish_pixel(const PassJob& job, const PixelHit& pixel, V3f irradiance, int
         out.direct = job.config.direct == DirectMode::ray
                          ? direct_by_rays(job.scene.rays(), job.lights, surface, pixel.alpha_key,
                                           state.counts.direct_shadow)
-                         : direct_by_maps(job.maps, surface);
+                         : direct_by_maps(job.gatherer.maps(), surface);
         out.direct += surface.emission * job.scene.lights().stored_from_real();
         if (needs_gather(pixel)) {
             if (job.config.compensate == Compensate::yes) {
@@ -221,23 +216,19 @@ RsmRenderer::RsmRenderer(const PosedScene& scene, const PixelCamera& camera, int
                          const RsmConfig& config, const Workers& workers, Progress& progress)
     : m_scene(scene), m_camera(camera), m_config(config), m_workers(workers), m_progress(progress),
       m_reader(surface_reader(choose_kernel(*scene.world().scene).attributes)),
-      m_lights(map_lights(scene)),
-      m_sums(std::make_unique<Sums>(Sums{{width, height, config.aovs}})) {
+      m_lights(map_lights(scene)), m_sums(width, height, config.aovs) {
     QL_CHECK(config.interpolate >= 1 && config.interpolate <= 16);
     QL_CHECK(config.rotation != Rotation::blue || !config.mask.empty());
     QL_CHECK(!(config.aovs & kAovMotion));
-    m_config.map.seed = config.seed + config.frame;
+    m_config.map.seed = frame_seed();
 }
-
-RsmRenderer::~RsmRenderer() = default;
 
 void RsmRenderer::prepare_pass() {
     const GatherConfig& gather = m_config.gather;
-    const uint64_t seed = m_config.seed + m_config.frame;
     if (gather.gather == Gather::pattern)
-        m_samples = pattern_samples(gather.samples, seed, uint32_t(m_passes));
+        m_samples = pattern_samples(gather.samples, frame_seed(), uint32_t(m_passes));
     if (gather.gather == Gather::importance)
-        m_samples = importance_samples(gather.samples, seed, uint32_t(m_passes));
+        m_samples = importance_samples(gather.samples, frame_seed(), uint32_t(m_passes));
     if (m_gatherer && m_config.map.point == TexelPoint::centre) return;
     m_gatherer.reset();
     m_config.map.pass = uint32_t(m_passes);
@@ -250,25 +241,22 @@ void RsmRenderer::prepare_pass() {
 void RsmRenderer::render_pass() {
     QL_CHECK(m_gatherer.has_value());
     const Compensation compensation(m_scene.rays(), m_reader, *m_gatherer);
-    PixelSumImage& sums = m_sums->pixels;
     const PassJob job{
-        m_scene,     m_camera,
-        m_config,    m_reader,
-        m_lights,    m_maps,
-        *m_gatherer, compensation,
-        m_samples,   {m_config.rotation, &m_config.mask, m_config.seed + m_config.frame},
-        sums,        uint32_t(m_passes)};
+        m_scene,      m_camera,          m_config,
+        m_reader,     m_lights,          *m_gatherer,
+        compensation, m_samples,         {m_config.rotation, &m_config.mask, frame_seed()},
+        m_sums,       uint32_t(m_passes)};
     // Tiles are a multiple of the interpolation grid.
     const int step = m_config.interpolate;
     const int side = step * std::max(1, kTilePixels / step);
-    const int across = (sums.width() + side - 1) / side;
-    const int down = (sums.height() + side - 1) / side;
+    const int across = (m_sums.width() + side - 1) / side;
+    const int down = (m_sums.height() + side - 1) / side;
     std::vector<TileState> states(size_t(across) * size_t(down));
     m_progress.start(fmt::format("pass {}", m_passes + 1), states.size());
     m_workers.for_each(states.size(), [&](size_t tile) {
         const int x0 = int(tile % size_t(across)) * side, y0 = int(tile / size_t(across)) * side;
-        const TileBounds bounds{x0, y0, std::min(x0 + side, sums.width()),
-                                std::min(y0 + side, sums.height())};
+        const TileBounds bounds{x0, y0, std::min(x0 + side, m_sums.width()),
+                                std::min(y0 + side, m_sums.height())};
         if (step > 1)
             render_tile_interpolated(job, bounds, states[tile]);
         else
@@ -285,7 +273,7 @@ void RsmRenderer::render_pass() {
 }
 
 Image RsmRenderer::image() const {
-    return m_sums->pixels.image(m_scene.lights().exponent());
+    return m_sums.image(m_scene.lights().exponent());
 }
 
 } // namespace ql

@@ -6,11 +6,8 @@
 
 #include "rsm/compensation.h"
 #include "rsm/direct.h"
+#include "rsm/sums.h"
 
-#include "image/image.h"
-#include "render/camera.h"
-
-#include <memory>
 #include <optional>
 
 namespace ql {
@@ -60,7 +57,6 @@ class RsmRenderer {
     // it.
     RsmRenderer(const PosedScene& scene, const PixelCamera& camera, int width, int height,
                 const RsmConfig& config, const Workers& workers, Progress& progress);
-    ~RsmRenderer();
 
     // Traces the maps of the next pass, unless those there are still serve.
     void prepare_pass();
@@ -75,9 +71,10 @@ class RsmRenderer {
     // The mean of all passes.
     Image image() const;
 
-    struct Sums;
-
   private:
+    // Frames have random numbers of their own.
+    uint64_t frame_seed() const { return m_config.seed + m_config.frame; }
+
     const PosedScene& m_scene;
     const PixelCamera& m_camera;
     RsmConfig m_config;
@@ -88,7 +85,7 @@ class RsmRenderer {
     std::vector<ReflectiveShadowMap> m_maps;
     std::optional<Gatherer> m_gatherer;
     PassSamples m_samples;
-    std::unique_ptr<Sums> m_sums;
+    PixelSumImage m_sums;
     RsmCounts m_counts;
     int m_passes = 0;
 };

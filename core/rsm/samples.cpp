@@ -12,11 +12,8 @@ namespace {
 constexpr uint64_t kSampleKey = 0x52534d736d706c00;
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
-// Steps of the additive recurrences in one and three dimensions: 1/g^i, where g is the positive
-// root of g^(d + 1) = g + 1. http://extremelearning.com.au/unreasonable-effectiveness-of-
-// quasirandom-sequences/
+// Masks go on by the golden ratio from pass to pass.
 constexpr double kGolden = 0.6180339887498949;
-constexpr double kStep3[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
 
 double fraction(double x) {
     return x - std::floor(x);
@@ -37,76 +34,91 @@ uint32_t curve_place(double x, double y) {
     return place;
 }
 
-std::vector<SampleNumbers> recurrence(int count, const CounterRandom& random, uint32_t block) {
-    const RandomFloats start = random.block(block);
-    std::vector<SampleNumbers> numbers;
-    numbers.reserve(size_t(count));
-    for (int i = 0; i < count; ++i) {
-        const float xi2 = float_fraction(double(start[2]) + i * kStep3[2]);
-        numbers.push_back({fraction(double(start[0]) + i * kStep3[0]),
-                           float_fraction(double(start[1]) + i * kStep3[1]), xi2,
-                           sin_cos_turns(xi2)});
+struct LatticePoint {
+    double u;
+    float v;
+    SinCos angle; // of 2 pi v
+};
+
+std::vector<LatticePoint> lattice_points(int count, const Lattice& lattice, double u0, double v0) {
+    std::vector<LatticePoint> points;
+    points.reserve(size_t(count));
+    for (int64_t i = 0; i < count; ++i) {
+        const float v = float_fraction(v0 + double(i * lattice.step % count) / count);
+        points.push_back({fraction((double(i) + u0) / count), v, sin_cos_turns(v)});
     }
-    return numbers;
+    return points;
 }
 
 template<class Place>
-void sort_along_curve(std::vector<SampleNumbers>& numbers, const Place& place) {
-    std::stable_sort(numbers.begin(), numbers.end(),
+void sort_along_curve(std::vector<LatticePoint>& points, const Place& place) {
+    std::stable_sort(points.begin(), points.end(),
                      [&](const auto& a, const auto& b) { return place(a) < place(b); });
 }
 
-// Of a point at distance xi1 and angle 2 pi xi2 from the middle of a disc.
-uint32_t disc_place(float xi1, const SinCos& angle) {
-    return curve_place(0.5 + 0.5 * double(xi1 * angle.sin), 0.5 + 0.5 * double(xi1 * angle.cos));
+FluxPoints flux_points(int count, const RandomFloats& start) {
+    const Lattice lattice = rank1_lattice(count);
+    auto points = lattice_points(count, lattice, double(start[0]), double(start[1]));
+    sort_along_curve(points, [](const auto& p) { return curve_place(p.u, double(p.v)); });
+    FluxPoints result;
+    result.cell = lattice.cell;
+    for (const LatticePoint& p : points) {
+        result.u.push_back(p.u);
+        result.v.push_back(p.v);
+    }
+    return result;
+}
+
+DiscPoints disc_points(int count, const RandomFloats& start) {
+    DiscPoints result;
+    if (count == 0) return result;
+    const Lattice lattice = rank1_lattice(count);
+    auto points = lattice_points(count, lattice, double(start[0]), double(start[1]));
+    sort_along_curve(points, [](const auto& p) {
+        return curve_place(0.5 + 0.5 * p.u * double(p.angle.sin),
+                           0.5 + 0.5 * p.u * double(p.angle.cos));
+    });
+    result.cell = lattice.cell;
+    result.start = double(start[0]);
+    for (const LatticePoint& p : points) {
+        result.xi1.push_back(std::min(float(p.u), kBelowOne));
+        result.sine.push_back(p.angle.sin);
+        result.cosine.push_back(p.angle.cos);
+    }
+    return result;
 }
 
 } // namespace
 
+float DiscPoints::sum_of_squares(float shift) const {
+    // The distances are (i + o) / n, i from 0, for the start o.
+    const auto n = double(size());
+    const double o = fraction(start + double(shift) * n);
+    return float(((n - 1) * (2 * n - 1) / 6 + o * (n - 1) + o * o) / n);
+}
+
 PassSamples pattern_samples(int samples, uint64_t seed, uint32_t pass) {
     QL_CHECK(samples >= 1);
-    const RandomFloats start = CounterRandom(seed ^ kSampleKey, pass).block(0);
-    std::vector<SampleNumbers> numbers;
-    for (int i = 0; i < samples; ++i) {
-        const float xi1 = std::min(float((i + double(start[0])) / samples), kBelowOne);
-        const float xi2 = float_fraction(double(start[1]) + i * kGolden);
-        numbers.push_back({0, xi1, xi2, sin_cos_turns(xi2)});
-    }
-    sort_along_curve(numbers, [](const auto& n) { return disc_place(n.xi1, n.angle); });
-    PassSamples result;
-    for (const SampleNumbers& n : numbers) {
-        result.pattern.xi1.push_back(n.xi1);
-        result.pattern.xi2.push_back(n.xi2);
-        result.pattern.x.push_back(n.xi1 * n.angle.sin);
-        result.pattern.y.push_back(n.xi1 * n.angle.cos);
-        result.pattern.sum_of_squares += n.xi1 * n.xi1;
-    }
-    return result;
+    const CounterRandom random(seed ^ kSampleKey, pass);
+    return {{}, disc_points(samples, random.block(0))};
 }
 
 PassSamples importance_samples(int samples, uint64_t seed, uint32_t pass) {
     QL_CHECK(samples >= 1);
     const CounterRandom random(seed ^ kSampleKey, pass);
-    PassSamples result;
-    result.flux = recurrence((samples + 1) / 2, random, 1);
-    result.around = recurrence(samples / 2, random, 2);
-    sort_along_curve(result.flux, [](const auto& n) { return curve_place(n.pick, double(n.xi1)); });
-    sort_along_curve(result.around, [](const auto& n) { return disc_place(n.xi1, n.angle); });
-    return result;
+    return {flux_points((samples + 1) / 2, random.block(1)),
+            disc_points(samples / 2, random.block(2))};
 }
 
-std::array<float, 3> ShiftSource::shift(int x, int y, uint32_t pass) const {
-    if (rotation == Rotation::none) return {0, 0, 0};
+CellPlace ShiftSource::place(int x, int y, uint32_t pass) const {
+    if (rotation == Rotation::none) return {};
     if (rotation == Rotation::white) {
         const RandomFloats u =
             PixelRandom(hash32(seed, uint32_t(x), uint32_t(y), pass), 0).block(0);
-        return {u[0], u[1], u[2]};
+        return {.first = u[0], .second = u[1]};
     }
-    // One number of the mask moves all three, along a line: the error is then a function of that
-    // one number, which is what a scalar mask can make blue. Passes go on by the golden ratio.
     const float value = (*mask)(x % mask->width(), y % mask->height());
-    const float t = float_fraction(double(value) + pass * kGolden);
-    return {t, t, t};
+    return {.along = float_fraction(double(value) + pass * kGolden)};
 }
 
 } // namespace ql

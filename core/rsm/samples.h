@@ -1,14 +1,14 @@
-// The sample numbers of a pass, the same for all pixels, and how each pixel shifts them.
+// The sample points of a pass, the same for all pixels, and how each pixel shifts them.
 //
-// Base sets are additive recurrences on generalised golden ratios (Roberts 2018; in one dimension
-// the spiral of Vogel 1979) from a start that depends on seed and pass alone. A pixel shifts them
-// modulo 1 (Cranley & Patterson 1976): not at all, which keeps the image coherent and shows bands;
-// by white noise; or by a blue-noise mask, which leaves an error without low frequencies (Georgiev
-// & Fajardo, "Blue-noise dithered sampling", 2016). Over passes and seeds every estimate stays
-// unbiased, because the starts are random.
+// Sets are rank-1 lattices (see lattice.h) from a start that depends on seed and pass alone. A
+// pixel shifts them within a cell: not at all, which keeps the image coherent and shows bands; by
+// white noise; or by blue noise (Georgiev & Fajardo, "Blue-noise dithered sampling", 2016), whose
+// colour the error keeps because it is a smooth function of the place in the cell. Over passes and
+// seeds every estimate is unbiased, because the starts are random.
 #pragma once
 
 #include "base/array2d.h"
+#include "rsm/lattice.h"
 #include "sampling/random.h"
 #include "sampling/warp.h"
 
@@ -18,46 +18,44 @@ namespace ql {
 
 enum class Rotation { none, white, blue };
 
-// The pattern, one array for each value: (xi1, xi2), and xi1 times sine and cosine of 2 pi xi2.
-struct PatternPoints {
-    std::vector<float> xi1, xi2, x, y;
-    float sum_of_squares = 0; // of all xi1
+// Points (u, v) of the unit square, one array for each value.
+struct FluxPoints {
+    std::vector<double> u; // chooses a row of texels
+    std::vector<float> v;  // chooses the texel of the row
+    LatticeCell cell;
 
-    size_t size() const { return xi1.size(); }
-    bool operator==(const PatternPoints&) const = default;
+    size_t size() const { return u.size(); }
 };
 
-// Numbers in [0, 1).
-struct SampleNumbers {
-    double pick;    // chooses a row of texels, or a map
-    float xi1, xi2; // xi1 chooses the texel of a row; both: a point of the disc
-    SinCos angle;   // of 2 pi xi2
+// Points of a disc: distances xi1 from its middle in [0, 1), and angles 2 pi xi2.
+struct DiscPoints {
+    std::vector<float> xi1, sine, cosine;
+    LatticeCell cell;
+    double start = 0; // xi1 is (i + start) / n in some order
+
+    size_t size() const { return xi1.size(); }
+    // Of all xi1, shifted modulo 1.
+    float sum_of_squares(float shift) const;
 };
 
 struct PassSamples {
-    PatternPoints pattern;
-    std::vector<SampleNumbers> flux;   // importance: half the samples, rounded up
-    std::vector<SampleNumbers> around; // importance: the rest
+    FluxPoints flux; // importance: half the samples, rounded up
+    DiscPoints disc; // importance: the rest; pattern: all
 };
 
-// samples: at least 1. The pattern is stratified in xi1. Neighbours in these sets find neighbouring
-// texels as a rule, which memory and packets of rays like.
+// samples: at least 1. Neighbours in these sets find neighbouring texels as a rule, which memory
+// and packets of rays like.
 PassSamples pattern_samples(int samples, uint64_t seed, uint32_t pass);
 PassSamples importance_samples(int samples, uint64_t seed, uint32_t pass);
 
-// What a pixel adds to pick, xi1 and xi2. mask: thresholds in [0, 1), needed for blue.
+// A pixel's place in the cells of all lattices. mask: thresholds in [0, 1), needed for blue.
 struct ShiftSource {
     Rotation rotation = Rotation::none;
     const Array2D<float>* mask = nullptr;
     uint64_t seed = 0;
 
-    std::array<float, 3> shift(int x, int y, uint32_t pass) const;
+    CellPlace place(int x, int y, uint32_t pass) const;
 };
-
-// Sine and cosine of the sum of two angles.
-inline SinCos turned(const SinCos& a, const SinCos& b) {
-    return {a.sin * b.cos + a.cos * b.sin, a.cos * b.cos - a.sin * b.sin};
-}
 
 inline float shifted(float number, float shift) {
     const float sum = number + shift;

@@ -6,6 +6,9 @@
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
 
+#include <map>
+#include <memory>
+
 namespace ql {
 namespace {
 
@@ -70,16 +73,21 @@ struct Setup {
     std::vector<ReflectiveShadowMap> maps;
     std::vector<Receiver> receivers;
 
-    explicit Setup(const std::string& file)
+    Setup(const std::string& file, int map_size)
         : stage(load_gltf({std::string(QL_SOURCE_DIR) + "/examples/scenes/" + file}, {}, workers())
                     .scene,
                 kSide),
-          maps(stage.maps({.size = 512})), receivers(stage.receivers()) {}
+          maps(stage.maps({.size = map_size})), receivers(stage.receivers()) {}
 };
 
+// Range 0: Cornell box or room corner; range 1: texels along a side of the map.
 const Setup& setup(const benchmark::State& state) {
-    static const Setup cornell("cornell_spot.gltf"), corner("room_corner.gltf");
-    return state.range(0) == 0 ? cornell : corner;
+    static std::map<std::pair<int64_t, int64_t>, std::unique_ptr<Setup>> setups;
+    std::unique_ptr<Setup>& found = setups[{state.range(0), state.range(1)}];
+    if (!found)
+        found = std::make_unique<Setup>(
+            state.range(0) == 0 ? "cornell_spot.gltf" : "room_corner.gltf", int(state.range(1)));
+    return *found;
 }
 
 PassSamples samples_of(const GatherConfig& config) {
@@ -96,7 +104,7 @@ uint64_t gather_all(const Setup& s, const Gatherer& gatherer, const PassSamples&
     const size_t step = gatherer.config().gather == Gather::full ? 64 : 1;
     for (size_t i = 0; i < s.receivers.size(); i += step)
         benchmark::DoNotOptimize(
-            gatherer.irradiance(s.receivers[i], samples, shifts.shift(int(i), 0, 0), 0, log));
+            gatherer.irradiance(s.receivers[i], samples, shifts.place(int(i), 0, 0), 0, log));
     return log.count;
 }
 
@@ -127,13 +135,19 @@ void bare(benchmark::State& state) {
                                                 benchmark::Counter::kIsRate);
 }
 
-// Range 0: Cornell box; 1: room corner.
-BENCHMARK(gather<Gather::pattern>)->Arg(0)->Arg(1);
-BENCHMARK(bare<Gather::pattern>)->Arg(0)->Arg(1);
-BENCHMARK(gather<Gather::importance>)->Arg(0)->Arg(1);
-BENCHMARK(bare<Gather::importance>)->Arg(0)->Arg(1);
-BENCHMARK(gather<Gather::full>)->Arg(0)->Arg(1);
-BENCHMARK(bare<Gather::full>)->Arg(0)->Arg(1);
+void sizes(benchmark::internal::Benchmark* of) {
+    of->ArgNames({"scene", "map"})->ArgsProduct({{0, 1}, {512, 1080}});
+}
+void one_size(benchmark::internal::Benchmark* of) {
+    of->ArgNames({"scene", "map"})->ArgsProduct({{0, 1}, {512}});
+}
+
+BENCHMARK(gather<Gather::pattern>)->Apply(sizes);
+BENCHMARK(bare<Gather::pattern>)->Apply(sizes);
+BENCHMARK(gather<Gather::importance>)->Apply(sizes);
+BENCHMARK(bare<Gather::importance>)->Apply(sizes);
+BENCHMARK(gather<Gather::full>)->Apply(one_size);
+BENCHMARK(bare<Gather::full>)->Apply(one_size);
 
 } // namespace
 } // namespace ql
