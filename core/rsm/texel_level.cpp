@@ -34,7 +34,7 @@ TexelBlock bounds_of(std::span<const TexelRecord* const> texels) {
     }
     block.radius = float(radius * kMargin);
     block.spread = float(spread * kMargin);
-    block.reach = float(reach);
+    block.reach = std::nextafter(float(reach), kInfinity);
     return block;
 }
 
@@ -63,8 +63,7 @@ void find_texels(const float* u, const float* v, size_t count, int size, int shi
 
 } // namespace
 
-TexelLevel::TexelLevel(const Texels& texels, int of_size, uint32_t of_map)
-    : map(of_map), size(of_size), records(texels.count()) {
+TexelLevel::TexelLevel(const Texels& texels, int of_size) : size(of_size), records(texels.count()) {
     for (size_t i = 0; i < texels.count(); ++i) {
         const V3f flux = texels.flux(i);
         const V3f normal = flux == V3f(0, 0, 0) ? V3f(0) : texels.normal(i);
@@ -101,7 +100,7 @@ std::vector<std::vector<TexelLevel>> texel_levels(std::span<const ReflectiveShad
         const MipChain chain(map, mips);
         std::vector<TexelLevel>& levels = all.emplace_back();
         for (int level = 0; level < chain.levels(); ++level)
-            levels.emplace_back(chain.texels(level), chain.size(level), uint32_t(all.size() - 1));
+            levels.emplace_back(chain.texels(level), chain.size(level));
     }
     return all;
 }

@@ -41,14 +41,13 @@ struct TexelBlock {
 };
 
 struct TexelLevel {
-    uint32_t map = 0; // its number
-    int size = 0;     // texels along a side
+    int size = 0; // texels along a side
     std::vector<TexelRecord> records;
     std::vector<TexelBlock> blocks;
     int block_shift = 0; // blocks have 2^block_shift texels along a side
     int blocks_across = 0;
 
-    TexelLevel(const Texels& texels, int size, uint32_t map);
+    TexelLevel(const Texels& texels, int size);
 
     // Texels of points, and their blocks. is_inside is 0 for points outside of the unit square;
     // these get some texel.

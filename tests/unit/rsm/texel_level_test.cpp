@@ -81,7 +81,7 @@ TEST(rsm_texel_level, blocks_that_light_nothing_hold_no_texel_that_does) {
 
 TEST(rsm_texel_level, a_block_without_flux_lights_nothing) {
     EXPECT_FALSE(TexelBlock().may_light({}));
-    const TexelLevel level(Texels(25), 5, 0);
+    const TexelLevel level(Texels(25), 5);
     for (const TexelBlock& block : level.blocks)
         EXPECT_FALSE(block.may_light({{0.1f, 0.2f, 0.3f}, {0, 0, 1}, {0, 0, 1}, 0}));
 }
