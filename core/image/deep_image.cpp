@@ -2,9 +2,11 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "base/huge_vector.h"
 #include "image/atomic_file.h"
 #include "image/exr_check.h"
 #include "image/exr_stream.h"
+#include "image/exr_threads.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
@@ -89,47 +91,80 @@ DeepHeader header_of(const Imf::Header& header) {
     return result;
 }
 
-// The channels of one row as OpenEXR sees them: a pointer to each pixel's samples.
-class RowBuffer {
+// Samples of all channels that are unpacked at a time, unless a row has more.
+constexpr uint64_t kStripSamples = uint64_t{1} << 19;
+constexpr size_t kStripRows = 256;
+
+// The channels of a few rows as OpenEXR sees them: a pointer to each pixel's samples.
+class StripBuffer {
   public:
-    explicit RowBuffer(const DeepHeader& header)
-        : m_header(header), m_words(header.channels.size()),
-          m_pointers(header.channels.size(), std::vector<char*>(size_t(header.width))) {}
+    // counts: of the whole image; must outlive it.
+    StripBuffer(const DeepHeader& header, std::vector<uint32_t>& counts)
+        : m_header(header), m_counts(counts), m_words(header.channels.size()),
+          m_pointers(header.channels.size()) {}
 
-    DeepRow& words() { return m_words; }
+    // Rows from `begin` on that make a strip; gives them room. Returns the row after the last.
+    size_t start(size_t begin) {
+        const auto width = size_t(m_header.width), height = size_t(m_header.height);
+        m_begin = begin;
+        m_first.assign(1, 0);
+        size_t end = begin;
+        for (; end < std::min(height, begin + kStripRows); ++end) {
+            uint64_t total = m_first.back();
+            for (const uint32_t count : row_counts(end))
+                total += count;
+            if (end > begin && total * m_words.size() > kStripSamples) break;
+            m_first.push_back(total);
+        }
+        for (size_t c = 0; c < m_words.size(); ++c) {
+            m_words[c].resize(m_first.back());
+            m_pointers[c].resize((end - begin) * width);
+            auto* at = reinterpret_cast<char*>(m_words[c].data());
+            for (size_t i = 0; i < m_pointers[c].size(); ++i) {
+                m_pointers[c][i] = at;
+                at += size_t(m_counts[begin * width + i]) * sizeof(uint32_t);
+            }
+        }
+        return end;
+    }
 
-    Imf::DeepFrameBuffer frame_buffer(uint32_t* counts) {
+    DeepRow row(size_t y) {
+        const size_t first = m_first[y - m_begin], end = m_first[y - m_begin + 1];
+        DeepRow row;
+        for (HugeVector<uint32_t>& words : m_words)
+            row.push_back(std::span(words).subspan(first, end - first));
+        return row;
+    }
+
+    Imf::DeepFrameBuffer frame_buffer() {
+        const auto width = size_t(m_header.width);
         Imf::DeepFrameBuffer buffer;
-        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts),
-                                                 sizeof(uint32_t),
-                                                 sizeof(uint32_t) * size_t(m_header.width)));
-        // Stride 0 along y: every row uses the same pointers.
-        for (size_t c = 0; c < m_words.size(); ++c)
+        buffer.insertSampleCountSlice(Imf::Slice(Imf::UINT,
+                                                 reinterpret_cast<char*>(m_counts.data()),
+                                                 sizeof(uint32_t), sizeof(uint32_t) * width));
+        // OpenEXR counts from row 0 of the image, which need not be in memory.
+        for (size_t c = 0; c < m_words.size(); ++c) {
+            const auto base =
+                reinterpret_cast<uintptr_t>(m_pointers[c].data()) - m_begin * width * sizeof(char*);
             buffer.insert(m_header.channels[c].name,
                           Imf::DeepSlice(pixel_type(m_header.channels[c]),
-                                         reinterpret_cast<char*>(m_pointers[c].data()),
-                                         sizeof(char*), 0, sizeof(uint32_t)));
+                                         reinterpret_cast<char*>(base), sizeof(char*),
+                                         sizeof(char*) * width, sizeof(uint32_t)));
+        }
         return buffer;
     }
 
-    // Makes room for a row of these sample counts.
-    void resize(std::span<const uint32_t> counts) {
-        uint64_t total = 0;
-        for (const uint32_t count : counts)
-            total += count;
-        for (size_t c = 0; c < m_words.size(); ++c) {
-            m_words[c].resize(total);
-            auto* at = reinterpret_cast<char*>(m_words[c].data());
-            for (size_t x = 0; x < counts.size(); ++x) {
-                m_pointers[c][x] = at;
-                at += size_t(counts[x]) * sizeof(uint32_t);
-            }
-        }
+  private:
+    std::span<const uint32_t> row_counts(size_t y) const {
+        const auto width = size_t(m_header.width);
+        return std::span(m_counts).subspan(y * width, width);
     }
 
-  private:
     const DeepHeader& m_header;
-    DeepRow m_words;
+    std::vector<uint32_t>& m_counts;
+    size_t m_begin = 0;
+    std::vector<uint64_t> m_first; // sample of each row of the strip
+    std::vector<HugeVector<uint32_t>> m_words;
     std::vector<std::vector<char*>> m_pointers;
 };
 
@@ -157,8 +192,8 @@ void decode(std::span<const std::byte> bytes, DeepReader& reader) {
     if (width * height > bytes.size() * kMaxInflation)
         throw std::runtime_error("more pixels than its bytes can hold");
     std::vector<uint32_t> counts(width * height);
-    RowBuffer row(header);
-    file.setFrameBuffer(row.frame_buffer(counts.data()));
+    StripBuffer strip(header, counts);
+    file.setFrameBuffer(strip.frame_buffer());
     file.readPixelSampleCounts(0, header.height - 1);
     uint64_t total = 0;
     for (const uint32_t count : counts) {
@@ -170,10 +205,13 @@ void decode(std::span<const std::byte> bytes, DeepReader& reader) {
     if (total * sizeof(uint32_t) > bytes.size() * kMaxInflation)
         throw std::runtime_error("more samples than its bytes can hold");
     reader.on_sample_counts(counts, total);
-    for (size_t y = 0; y < height; ++y) {
-        row.resize(std::span(counts).subspan(y * width, width));
-        file.readPixels(int(y));
-        reader.on_row(int(y), row.words());
+    for (size_t begin = 0, end = 0; begin < height; begin = end) {
+        end = strip.start(begin);
+        file.setFrameBuffer(strip.frame_buffer());
+        file.readPixelSampleCounts(int(begin), int(end) - 1); // forgotten with the last buffer
+        file.readPixels(int(begin), int(end) - 1);
+        for (size_t y = begin; y < end; ++y)
+            reader.on_row(int(y), strip.row(y));
     }
 }
 
@@ -186,6 +224,7 @@ void write_deep_image(const std::string& path, const DeepHeader& header,
     QL_CHECK_EQ(sample_counts.size(), width * height);
     check_row_sizes(path, header, sample_counts);
     ExrMemoryOutput stream;
+    start_exr_threads();
     try {
         Imf::Header exr(header.width, header.height);
         exr.compression() = Imf::ZIPS_COMPRESSION;
@@ -195,12 +234,15 @@ void write_deep_image(const std::string& path, const DeepHeader& header,
         set_metadata(exr, header);
         Imf::DeepScanLineOutputFile file(stream, exr);
         std::vector<uint32_t> counts(sample_counts.begin(), sample_counts.end());
-        RowBuffer row(header);
-        file.setFrameBuffer(row.frame_buffer(counts.data()));
-        for (size_t y = 0; y < height; ++y) {
-            row.resize(std::span(counts).subspan(y * width, width));
-            fill(int(y), row.words());
-            file.writePixels(1);
+        StripBuffer strip(header, counts);
+        for (size_t begin = 0, end = 0; begin < height; begin = end) {
+            end = strip.start(begin);
+            for (size_t y = begin; y < end; ++y) {
+                DeepRow row = strip.row(y);
+                fill(int(y), row);
+            }
+            file.setFrameBuffer(strip.frame_buffer());
+            file.writePixels(int(end - begin));
         }
     } catch (const Error&) {
         throw;
@@ -218,6 +260,7 @@ void read_deep_image(const std::string& path, DeepReader& reader, const DeepRead
         throw input_error("{}: no OpenEXR file, expected a deep image", name);
     check_exr(bytes, name, {config.max_bytes, config.max_bytes});
     try {
+        start_exr_threads();
         decode(bytes, reader);
     } catch (const Error& e) {
         throw Error(e.kind(), name + ": " + e.what());

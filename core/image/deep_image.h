@@ -1,8 +1,9 @@
 // Deep OpenEXR files: pixels that hold lists of samples of named 32-bit channels.
 //
-// Rows go in and out one at a time, so that a large file needs no second copy in memory; the
-// encoded bytes are written whole or not at all. Samples are 32-bit words: unsigned, or the bits of
-// floats. The same content gives the same bytes. Sizes are checked before memory is taken.
+// Rows go in and out a few at a time, so that a large file needs no second copy in memory and is
+// packed by several threads; the encoded bytes are written whole or not at all. Samples are 32-bit
+// words: unsigned, or the bits of floats. The same content gives the same bytes. Sizes are checked
+// before memory is taken.
 #pragma once
 
 #include <Imath/ImathVec.h>
@@ -40,9 +41,10 @@ struct DeepHeader {
 };
 
 // The samples of one row: by channel, then pixel after pixel.
-using DeepRow = std::vector<std::vector<uint32_t>>;
+using DeepRow = std::vector<std::span<uint32_t>>;
 
-// sample_counts: width * height, row by row. fill(y, row) fills vectors of the right size.
+// sample_counts: width * height, row by row. fill(y, row) fills spans of the right size, with
+// rows in order.
 // path "-" is standard output. Errors: ErrorKind::output.
 void write_deep_image(const std::string& path, const DeepHeader& header,
                       std::span<const uint32_t> sample_counts,

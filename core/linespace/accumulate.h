@@ -1,12 +1,16 @@
 // Adding up photon weights by (voxel, shaft): in parallel, exactly, without locks.
 //
 // Deposits come in rounds of unsorted chunks. A round is spread over ranges of voxels; each range
-// sorts its deposits and merges them into its sorted entries, in place. 36 bytes an entry. Sums are
-// integers, so the result does not depend on chunks, rounds or threads.
+// finds its entries by hashing and adds to them, and sorts them once at the end. 48 to 56 bytes an
+// entry while photons are traced. Sums are integers, so the result does not
+// depend on chunks, rounds or threads.
 #pragma once
 
+#include "base/huge_vector.h"
 #include "base/parallel.h"
 #include "linespace/cache.h"
+
+#include <mutex>
 
 namespace ql {
 
@@ -29,20 +33,53 @@ class ShaftAccumulator {
 
     size_t size() const;
     // Moves the entries into the cache's lists, whose header must be set.
-    void move_to(LightCache& cache);
+    void move_to(LightCache& cache, const Workers& workers);
 
   private:
-    struct Part {
-        std::vector<uint64_t> keys; // voxel << 32 | shaft, sorted
-        std::vector<uint32_t> counts;
-        std::vector<ShaftSum> sums;
+    struct Entry {
+        uint64_t key; // voxel << 32 | shaft
+        ShaftSum sum;
+        uint32_t count;
     };
-    void merge(Part& part, std::span<Deposit> deposits) const;
+    static constexpr size_t kBlockBits = 7, kBlockSize = size_t{1} << kBlockBits;
+    using Block = std::array<Entry, kBlockSize>;
 
-    uint64_t m_voxels_per_part;
+    // Hands out blocks of entries to all parts.
+    class BlockPool {
+      public:
+        Block* take();
+        void clear() { m_slabs.clear(); }
+
+      private:
+        std::mutex m_mutex; // once in 128 new entries
+        std::vector<HugeVector<Block>> m_slabs;
+    };
+
+    // The entries of a range of voxels in the order in which they came, in blocks: they never move.
+    class Part {
+      public:
+        size_t size() const { return m_size; }
+        void add(std::span<const Deposit> deposits, double scale, BlockPool& pool);
+        // Moves the entries, sorted, to these places of the lists.
+        void move_to(LightCache& cache, size_t first);
+
+      private:
+        Entry& entry(size_t i) { return (*m_blocks[i >> kBlockBits])[i & (kBlockSize - 1)]; }
+        Entry& entry_of(uint64_t key, BlockPool& pool);
+        uint32_t* slot_of(uint64_t key);
+        void grow_table();
+
+        std::vector<Block*> m_blocks;
+        size_t m_size = 0;
+        std::vector<uint32_t> m_slots; // hash table: 1 + index of the entry, 0 where free
+        int m_slot_bits = 0;
+    };
+
+    int m_part_shift; // from a voxel to its part
     double m_scale;
     std::vector<Part> m_parts;
-    std::vector<Deposit> m_spread;
+    BlockPool m_pool;
+    HugeVector<Deposit> m_spread;
 };
 
 } // namespace ql

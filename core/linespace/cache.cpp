@@ -60,7 +60,7 @@ void for_each_of_both(std::span<const uint32_t> a, std::span<const uint32_t> b, 
     }
 }
 
-std::span<const uint32_t> part_of(const std::vector<uint32_t>& values,
+std::span<const uint32_t> part_of(std::span<const uint32_t> values,
                                   const std::vector<uint64_t>& first, size_t voxel) {
     return std::span(values).subspan(first[voxel], first[voxel + 1] - first[voxel]);
 }

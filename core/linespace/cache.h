@@ -9,6 +9,7 @@
 // glass alone, wherever those are.
 #pragma once
 
+#include "base/huge_vector.h"
 #include "linespace/grid.h"
 #include "linespace/shaft.h"
 
@@ -77,10 +78,10 @@ struct LightCache {
     CacheHeader header;
     // Entries of voxel v: first[v] up to first[v + 1]; sorted by shaft.
     std::vector<uint64_t> first;
-    std::vector<uint32_t> shafts;
-    std::vector<uint32_t> counts; // photons
-    std::vector<ShaftSum> sums;
-    std::vector<float> measures; // G_s f_s in m^2 sr; energy alone, else empty
+    HugeVector<uint32_t> shafts;
+    HugeVector<uint32_t> counts; // photons
+    HugeVector<ShaftSum> sums;
+    HugeVector<float> measures; // G_s f_s in m^2 sr; energy alone, else empty
     // Groups of shafts with light (groups.h), in the same order, and their measures, which those of
     // dark shafts are part of. Energy alone, else empty.
     std::vector<uint64_t> group_first;

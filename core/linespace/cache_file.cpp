@@ -4,6 +4,7 @@
 #include "image/deep_image.h"
 #include "linespace/groups.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -270,14 +271,17 @@ class CacheReader : public DeepReader {
         const auto width = size_t(cache.header.voxels[0]);
         size_t i = 0;
         for (size_t voxel = size_t(y) * width; voxel < (size_t(y) + 1) * width; ++voxel) {
-            std::optional<uint32_t> last;
-            for (const size_t end = i + m_counts[voxel]; i < end; ++i) {
-                const uint32_t shaft = row.back()[i];
-                if (shaft >= m_end || (last && shaft <= *last))
-                    throw input_error("damaged: voxel {} has shaft {} out of order", voxel, shaft);
-                shaft < m_shafts_end ? add_shaft(row, i) : add_group(row, i);
-                last = shaft;
-            }
+            DeepRow pixel = row;
+            for (std::span<uint32_t>& channel : pixel)
+                channel = channel.subspan(i, m_counts[voxel]);
+            i += m_counts[voxel];
+            const std::span<const uint32_t> numbers = pixel.back();
+            check_order(voxel, numbers);
+            const auto shafts = size_t(
+                std::lower_bound(numbers.begin(), numbers.end(), m_shafts_end) - numbers.begin());
+            add_shafts(pixel, shafts);
+            for (size_t g = shafts; g < numbers.size(); ++g)
+                add_group(pixel, g);
             cache.first[voxel + 1] = cache.size();
             if (is_measured()) cache.group_first[voxel + 1] = cache.groups.size();
         }
@@ -286,33 +290,49 @@ class CacheReader : public DeepReader {
   private:
     bool is_measured() const { return cache.header.estimator == Estimator::energy; }
 
-    static float measure_of(const DeepRow& row, size_t i) {
-        const float measure = std::bit_cast<float>(row[kMeasure][i]);
+    void check_order(size_t voxel, std::span<const uint32_t> numbers) const {
+        for (size_t i = 0; i < numbers.size(); ++i)
+            if (numbers[i] >= m_end || (i > 0 && numbers[i] <= numbers[i - 1]))
+                throw input_error("damaged: voxel {} has shaft {} out of order", voxel, numbers[i]);
+    }
+
+    static float measure_of(const DeepRow& pixel, size_t i) {
+        const float measure = std::bit_cast<float>(pixel[kMeasure][i]);
         if (!std::isfinite(measure) || !(measure > 0))
             throw input_error("damaged: measure {} in shaft {}, expected a positive number",
-                              measure, row.back()[i]);
+                              measure, pixel.back()[i]);
         return measure;
     }
 
-    void add_group(const DeepRow& row, size_t i) {
+    void add_group(const DeepRow& pixel, size_t i) {
         for (const size_t channel : {kBHi, kBLo, kGHi, kGLo, kRHi, kRLo, kCount})
-            if (row[channel][i] != 0)
-                throw input_error("damaged: light in group {}", row.back()[i] - m_shafts_end);
-        cache.groups.push_back(row.back()[i] - m_shafts_end);
-        cache.group_measures.push_back(measure_of(row, i));
+            if (pixel[channel][i] != 0)
+                throw input_error("damaged: light in group {}", pixel.back()[i] - m_shafts_end);
+        cache.groups.push_back(pixel.back()[i] - m_shafts_end);
+        cache.group_measures.push_back(measure_of(pixel, i));
     }
 
-    void add_shaft(const DeepRow& row, size_t i) {
-        cache.shafts.push_back(row.back()[i]);
-        cache.counts.push_back(row[kCount][i]);
-        cache.sums.push_back({from_halves(row[kRHi][i], row[kRLo][i]),
-                              from_halves(row[kGHi][i], row[kGLo][i]),
-                              from_halves(row[kBHi][i], row[kBLo][i])});
-        for (const int64_t sum : cache.sums.back())
-            if (sum < 0) throw input_error("damaged: a negative sum in shaft {}", row.back()[i]);
-        if (cache.counts.back() == 0)
-            throw input_error("damaged: no photons in shaft {}", row.back()[i]);
-        if (is_measured()) cache.measures.push_back(measure_of(row, i));
+    // The first `count` samples of a pixel.
+    void add_shafts(const DeepRow& pixel, size_t count) {
+        const size_t begin = cache.size();
+        const auto append = [&](HugeVector<uint32_t>& to, std::span<const uint32_t> from) {
+            to.insert(to.end(), from.begin(), from.begin() + int64_t(count));
+        };
+        append(cache.shafts, pixel.back());
+        append(cache.counts, pixel[kCount]);
+        cache.sums.resize(begin + count);
+        if (is_measured()) cache.measures.resize(begin + count);
+        for (size_t i = 0; i < count; ++i) {
+            ShaftSum& sum = cache.sums[begin + i];
+            sum = {from_halves(pixel[kRHi][i], pixel[kRLo][i]),
+                   from_halves(pixel[kGHi][i], pixel[kGLo][i]),
+                   from_halves(pixel[kBHi][i], pixel[kBLo][i])};
+            if ((sum[0] | sum[1] | sum[2]) < 0)
+                throw input_error("damaged: a negative sum in shaft {}", pixel.back()[i]);
+            if (pixel[kCount][i] == 0)
+                throw input_error("damaged: no photons in shaft {}", pixel.back()[i]);
+            if (is_measured()) cache.measures[begin + i] = measure_of(pixel, i);
+        }
     }
 
     std::vector<uint32_t> m_counts; // samples by voxel
@@ -358,7 +378,7 @@ void write_cache(const std::string& path, const LightCache& cache, const std::st
         if (measured) counts[v] += uint32_t(cache.group_first[v + 1] - cache.group_first[v]);
     }
     write_deep_image(path, header, counts, [&](int y, DeepRow& row) {
-        for (std::vector<uint32_t>& channel : row)
+        for (const std::span<uint32_t>& channel : row)
             std::fill(channel.begin(), channel.end(), 0);
         size_t i = 0;
         for (size_t voxel = size_t(y) * width; voxel < (size_t(y) + 1) * width; ++voxel) {

@@ -12,9 +12,8 @@ namespace ql {
 namespace {
 
 constexpr uint64_t kPhotonsPerChunk = 4096;
-// Deposits of a round: at least, at most, and in between half of the entries there are.
-constexpr uint64_t kLeastRound = uint64_t{1} << 20;
-constexpr uint64_t kMostRound = uint64_t{1} << 24;
+// Deposits of a round, about.
+constexpr uint64_t kDepositsPerRound = uint64_t{1} << 22;
 // Finer for the thesis's estimators, whose weights fall with the distance.
 constexpr int kEnergySumBits = 24;
 constexpr int kCountSumBits = 40;
@@ -71,12 +70,12 @@ PhotonCounts trace_all(const PhotonContext& context, PhotonTracer trace, const P
     total.weight_by_order.resize(size_t(context.max_scatterings));
     std::vector<std::vector<Deposit>> chunks;
     std::vector<PhotonCounts> counts;
-    double deposits_per_photon = 2;
+    double deposits_per_photon = 2 * context.branches; // a guess for a small first round
     progress.start("tracing photons", range.end - range.begin);
     for (uint64_t begin = range.begin; begin < range.end;) {
-        // As many photons as make a round of the size that is wanted.
-        const uint64_t deposits = std::clamp(uint64_t(sums.size() / 2), kLeastRound, kMostRound);
-        const auto photons = uint64_t(double(deposits) / std::max(deposits_per_photon, 0.01));
+        // As many photons as make a round.
+        const auto photons =
+            uint64_t(double(kDepositsPerRound) / std::max(deposits_per_photon, 0.01));
         const uint64_t end =
             begin + std::min(range.end - begin, std::max(photons, kPhotonsPerChunk));
         const size_t count = size_t((end - begin + kPhotonsPerChunk - 1) / kPhotonsPerChunk);
@@ -85,6 +84,7 @@ PhotonCounts trace_all(const PhotonContext& context, PhotonTracer trace, const P
         workers.for_each(count, [&](size_t c) {
             const uint64_t first = begin + c * kPhotonsPerChunk;
             const uint64_t last = std::min(end, first + kPhotonsPerChunk);
+            chunks[c].reserve(size_t(1.05 * deposits_per_photon * double(last - first)));
             trace(context, first, last, chunks[c], counts[c]);
             progress.advance(last - first);
         });
@@ -139,7 +139,7 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
             trace_all(context, photon_tracer_for(source), config.photons, sums, workers, progress);
     else
         report.photons.weight_by_order = cache.header.weight_by_order;
-    sums.move_to(cache);
+    sums.move_to(cache, workers);
     cache.header.weight_by_order = report.photons.weight_by_order;
     cache.header.unclassified = report.photons.unclassified;
     report.seconds_tracing = seconds_since(start);

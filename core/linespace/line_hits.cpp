@@ -161,7 +161,8 @@ V3d LineHits::to_render(float x, float y, float z) const {
 }
 
 bool LineHits::is_open(const LineBlock& lines, size_t line) const {
-    return m_sides.leads_out(m_lower + to_render(lines.ox[line], lines.oy[line], lines.oz[line]),
+    return m_all_open ||
+           m_sides.leads_out(m_lower + to_render(lines.ox[line], lines.oy[line], lines.oz[line]),
                              -to_render(lines.dx[line], lines.dy[line], lines.dz[line]));
 }
 

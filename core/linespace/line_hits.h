@@ -33,6 +33,8 @@ class LineHits {
     void visit_all(const LineBlock& lines, const Sink& sink) const;
     // Whether light can come along a line of the block at all (open_sides.h); traces a ray.
     bool is_open(const LineBlock& lines, size_t line) const;
+    // From here on every line is open.
+    void take_as_open() { m_all_open = true; }
 
   private:
     // A primitive in the coordinates of its voxel.
@@ -80,6 +82,7 @@ class LineHits {
     std::vector<LocalTriangle> m_triangles;
     std::vector<LocalShape> m_shapes;
     bool m_has_alpha = false;
+    bool m_all_open = false;
     std::vector<const LocalTriangle*> m_chosen;
 };
 

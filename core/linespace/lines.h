@@ -6,9 +6,13 @@
 // to the exit. Pure functions of their arguments.
 #pragma once
 
+#include "base/parallel.h"
 #include "linespace/shaft.h"
+#include "sampling/random.h"
 
 #include <array>
+#include <span>
+#include <vector>
 
 namespace ql {
 
@@ -29,14 +33,17 @@ struct PatchRectangle {
 
 PatchRectangle rectangle_of(int face, int patch, int patches);
 
-// A point of the sequence in four dimensions, shifted.
+// Points of the sequence in four dimensions, shifted; in [0, 1).
 class LinePoints {
   public:
+    using Block = std::array<std::array<float, kLinesPerBlock>, 4>; // by dimension
+
     LinePoints(uint32_t voxel, uint32_t number);
-    std::array<float, 4> operator()(int i) const;
+    // Points first, first + 1, ...
+    void fill(int first, Block& block) const;
 
   private:
-    std::array<float, 4> m_shift;
+    RandomWords m_shift; // in units of 2^-32
 };
 
 // The lines from one patch to another.
@@ -56,25 +63,33 @@ class ShaftLines {
 
     LinePoints m_points;
     PatchRectangle m_entry, m_exit;
-    V3d m_cell;
+    V3f m_cell; // its longest side is 1
     V3f m_low, m_high;
-    double m_area = 1;           // keeps weights of order 1
     std::array<int, 4> m_edge{}; // 0, or at which end coordinate k meets an edge that both share
 };
 
-// All lines of a voxel: every weight is 1, and their measure is pi times its surface.
+// Lines through a whole voxel: every weight is 1, and their measure is pi times its surface. They
+// are made once for all voxels of a grid, in several sets that voxels draw by lot, so that what a
+// set gets wrong in many like voxels is not the same everywhere.
 class VoxelLines {
   public:
-    VoxelLines(const V3d& cell, uint32_t voxel);
+    struct Block {
+        LineBlock lines;
+        std::array<uint32_t, kLinesPerBlock> shafts; // directed, where a face is one patch
+    };
+
+    VoxelLines(const V3d& cell, int lines_per_set, const Workers& workers);
 
     double measure() const;
-    // shafts: the directed shaft of each line where a face is one patch.
-    void fill(int first, LineBlock& block, std::array<uint32_t, kLinesPerBlock>& shafts) const;
+    std::span<const Block> of_voxel(uint32_t voxel) const;
 
   private:
-    LinePoints m_points;
+    void fill(const LinePoints& source, int first, Block& block) const;
+
     V3d m_cell;
     std::array<double, 6> m_areas; // cumulative
+    size_t m_blocks_per_set;
+    std::vector<Block> m_blocks;
 };
 
 } // namespace ql

@@ -55,22 +55,28 @@ ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, int normal_
 }
 
 // Measures of groups, in the order of groups; unit of cell. Lines through the whole voxel go on
-// until every class that is there has been met often enough.
+// until every class that is there has been met often enough. Where none of the first ones is
+// closed, later lines and those of the shafts are not asked: that takes a ray each.
 std::vector<double> group_measures(std::span<const uint32_t> groups, const ShaftGroups& all,
-                                   const V3d& cell, uint32_t voxel, LineHits& surfaces,
+                                   const VoxelLines& source, uint32_t voxel, LineHits& surfaces,
                                    const MeasureConfig& config, uint64_t& lines_total) {
-    const VoxelLines source(cell, voxel);
     surfaces.choose(V3f(0), V3f(1));
-    LineBlock block;
-    std::array<uint32_t, kLinesPerBlock> shafts;
+    const std::span<const VoxelLines::Block> blocks = source.of_voxel(voxel);
+    const VoxelLines::Block* block = nullptr;
     std::vector<double> met(all.size(), 0.0);
+    int asked = 0, closed = 0;
     const auto count = [&](size_t line, int normal_class, double share) {
-        if (!surfaces.is_open(block, line)) return;
-        const uint32_t group = shafts[line] + ShaftGroups::kFacePairs * uint32_t(normal_class);
+        ++asked;
+        if (!surfaces.is_open(block->lines, line)) {
+            ++closed;
+            return;
+        }
+        const uint32_t group =
+            block->shafts[line] + ShaftGroups::kFacePairs * uint32_t(normal_class);
         met[group] += share;
         met[*all.of_group(group)] += share;
     };
-    constexpr int kStep = 16; // blocks
+    constexpr size_t kStep = 16; // blocks
     int lines = 0;
     // A function of the voxel alone, not of the groups that are asked for: shards must agree.
     const auto is_enough = [&] {
@@ -79,11 +85,15 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
                 return false;
         return lines >= config.least_voxel_lines;
     };
-    while (lines < config.max_voxel_lines && !is_enough())
-        for (int i = 0; i < kStep; ++i, lines += kLinesPerBlock) {
-            source.fill(lines, block, shafts);
-            surfaces.visit_first(block, count);
+    for (size_t n = 0; n < blocks.size() && !is_enough(); n += kStep) {
+        for (const VoxelLines::Block& next :
+             blocks.subspan(n, std::min(kStep, blocks.size() - n))) {
+            block = &next;
+            surfaces.visit_first(next.lines, count);
+            lines += kLinesPerBlock;
         }
+        if (asked >= config.enough_open && closed == 0) surfaces.take_as_open();
+    }
     lines_total += uint64_t(lines);
     std::vector<double> measures;
     for (const uint32_t group : groups) {
@@ -115,6 +125,7 @@ MeasureReport measure_shafts(const World& world, const OpenSides& sides,
         if (wanted[v]) filled.push_back(uint32_t(v));
     }
     const VoxelPrimitives primitives(world, grid, wanted, workers);
+    const VoxelLines voxel_lines(grid.cell, config.max_voxel_lines, workers);
 
     cache.measures.resize(cache.size());
     std::vector<MeasureReport> reports(filled.size());
@@ -127,6 +138,10 @@ MeasureReport measure_shafts(const World& world, const OpenSides& sides,
         const uint32_t voxel = filled[n];
         LineHits surfaces(world, sides, alpha_test, grid, voxel, primitives.of(voxel), classes);
         MeasureReport& report = reports[n];
+        groups[n] = all_groups.holding(cache.gated_shafts_of(voxel));
+        for (const double measure : group_measures(groups[n], all_groups, voxel_lines, voxel,
+                                                   surfaces, config, report.lines))
+            measures[n].push_back(float(measure * metres * metres));
         for (uint64_t i = cache.first[voxel]; i < cache.first[voxel + 1]; ++i) {
             const uint32_t number = cache.shafts[i];
             const ShaftEnds ends = shaft_ends(number % directed, patches);
@@ -139,10 +154,6 @@ MeasureReport measure_shafts(const World& world, const OpenSides& sides,
             ++report.unmeasured_shafts;
             report.unmeasured_weight += weight_of(cache, i);
         }
-        groups[n] = all_groups.holding(cache.gated_shafts_of(voxel));
-        for (const double measure : group_measures(groups[n], all_groups, grid.cell, voxel,
-                                                   surfaces, config, report.lines))
-            measures[n].push_back(float(measure * metres * metres));
         progress.advance();
     });
     progress.finish();

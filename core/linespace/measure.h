@@ -21,8 +21,9 @@ struct MeasureConfig {
     int max_lines = 256;  // of a shaft, a multiple of 32
     int enough_hits = 24; // that the number of lines aims at
     int least_voxel_lines = 1024;
-    int max_voxel_lines = 8192;   // for the groups of a voxel
+    int max_voxel_lines = 8192;   // for the groups of a voxel, a multiple of 32
     int enough_voxel_hits = 1024; // of each class of normals
+    int enough_open = 256;        // hits of a voxel that are asked whether their line is open
 };
 
 struct MeasureReport {

@@ -79,8 +79,8 @@ class ReadTable {
     Estimator m_estimator;
     bool m_has_caustics = false;
     std::vector<uint64_t> m_first;
-    std::vector<uint32_t> m_shafts;
-    std::vector<V3f> m_radiance;
+    HugeVector<uint32_t> m_shafts;
+    HugeVector<V3f> m_radiance;
     ShaftGroups m_all_groups;
     std::vector<uint64_t> m_group_first;
     std::vector<uint32_t> m_groups;

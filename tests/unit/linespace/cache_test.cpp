@@ -65,7 +65,7 @@ LightCache cache_of(const std::vector<std::vector<Deposit>>& rounds, size_t chun
                                 round.begin() + int64_t(std::min(round.size(), i + chunk)));
         sums.add(chunks, workers);
     }
-    sums.move_to(cache);
+    sums.move_to(cache, workers);
     cache.measures.assign(cache.size(), 0.5f);
     add_groups(cache);
     return cache;
@@ -122,7 +122,7 @@ TEST(ShaftAccumulator, ABillionPhotonsInOneShaftKeepTheirSum) {
         chunks.assign(10, std::vector<Deposit>(100000, {3, 17, {weight, 1, 0x1p-24f}}));
         sums.add(chunks, workers);
     }
-    sums.move_to(part);
+    sums.move_to(part, workers);
     LightCache total = part;
     for (uint64_t i = 1; i < 100; ++i) {
         part.header.photons = {{i * 10000000, (i + 1) * 10000000}};
