@@ -1,4 +1,5 @@
 // ls-inject: light paths from the lights of a glTF scene into a Linespace cache.
+#include "cli/blur_option.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
 #include "linespace/cache_file.h"
@@ -107,6 +108,13 @@ void declare(cli::Tool& tool, Options& o) {
                     "Scatterings between light and camera, both parts of the path together")
         ->check(CLI::Range(2, 1 << 16));
     tool.app
+        .add_option_function<std::string>(
+            "--blur", [&o](const std::string& text) { o.inject.blur = cli::parse_blur(text); },
+            "Radius of the disc on which deposits are moved, and later reads, in metres or in "
+            "voxels (0.25vox); the estimator energy alone")
+        ->type_name("R|Xvox")
+        ->default_str("0");
+    tool.app
         .add_option("--branches", o.inject.branches,
                     "Ways on which a photon goes on from the first surface, with a share of its "
                     "flux each; the estimator energy alone")
@@ -146,6 +154,7 @@ void print_info(const std::string& path, cli::Session& session) {
     line("seed", fmt::format("{}", h.seed));
     line("max depth", fmt::format("{}", h.max_depth));
     line("branches", fmt::format("{}", h.branches));
+    line("blur", fmt::format("{} m", h.blur));
     line(h.estimator == Estimator::energy ? "power" : "intensity",
          fmt::format("{:g} {}", h.unit, h.estimator == Estimator::energy ? "W" : "W/sr"));
     line("scene hash", fmt::format("{:016x}", h.scene_hash));

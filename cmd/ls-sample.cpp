@@ -1,4 +1,5 @@
 // ls-sample: an image of a glTF scene whose indirect light is read from a Linespace cache.
+#include "cli/blur_option.h"
 #include "cli/path_options.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
@@ -8,7 +9,6 @@
 #include "scene/scene_hash.h"
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
 #include <optional>
 
@@ -18,18 +18,12 @@ using namespace ql;
 
 constexpr double kDefaultSmoothing = 1000;
 
-// A length in metres or in voxels.
-struct Length {
-    double value = 0;
-    bool in_voxels = false;
-};
-
 struct Options {
     cli::SceneOptions scene;
     SampleConfig sample;
     std::optional<double> smoothing; // none: kDefaultSmoothing where the cache has groups
-    Length blur;
-    int max_depth = 0; // 0: that of the cache
+    std::optional<BlurRadius> blur;  // none: that of the cache
+    int max_depth = 0;               // 0: that of the cache
     bool any_scene = false;
     bool strict = false;
     bool use_candidates = false;
@@ -39,18 +33,6 @@ struct Options {
     float exposure_stops = 0;
     uint64_t seed = 0;
 };
-
-Length parse_length(const std::string& text) {
-    Length length;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length.value);
-    const std::string unit(end, text.data() + text.size());
-    length.in_voxels = unit == "vox";
-    if (error != std::errc() || !(unit.empty() || length.in_voxels) || !(length.value >= 0) ||
-        !(length.value <= 1e6))
-        throw usage_error("--blur: '{}', expected a radius in metres or, as 0.25vox, in voxels",
-                          text);
-    return length;
-}
 
 void declare_reading(cli::Tool& tool, Options& o) {
     ReadConfig& read = o.sample.read;
@@ -70,10 +52,11 @@ void declare_reading(cli::Tool& tool, Options& o) {
         ->check(CLI::Range(1, 1024));
     tool.app
         .add_option_function<std::string>(
-            "--blur", [&o](const std::string& text) { o.blur = parse_length(text); },
-            "Radius of the disc on which look-ups are moved, in metres or in voxels (0.25vox)")
+            "--blur", [&o](const std::string& text) { o.blur = cli::parse_blur(text); },
+            "Radius of the disc on which look-ups are moved, in metres or in voxels (0.25vox); the "
+            "default is that of the cache")
         ->type_name("R|Xvox")
-        ->default_str("0");
+        ->default_str("");
     tool.app
         .add_option("--shaft-jitter", read.shaft_jitter,
                     "Width, in patches, in which look-ups are moved on the voxel's faces")
@@ -189,9 +172,10 @@ void run(Options& o, cli::Session& session) {
                                                 session.workers());
         table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), config,
                                             session.workers());
-        const V3d& cell = table->grid().cell;
-        const double side = std::min({cell.x, cell.y, cell.z});
-        read.blur = o.blur.in_voxels ? o.blur.value : o.blur.value * open.space.scale / side;
+        o.sample.blur_metres = o.blur ? blur_metres(*o.blur, cache.header.cell) : cache.header.blur;
+        if (o.use_candidates && (o.sample.blur_metres > 0 || read.shaft_jitter > 0))
+            throw usage_error("--occlusion candidates knows shafts as they are, without --blur "
+                              "and --shaft-jitter");
     }
     if (o.use_candidates) {
         const auto timer = session.phase("candidates");

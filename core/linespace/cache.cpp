@@ -43,6 +43,7 @@ void require_fit(const CacheHeader& a, const CacheHeader& b, const std::string& 
     require(a.lower == b.lower && a.cell == b.cell, "the grid");
     require(a.max_depth == b.max_depth, "the depth");
     require(a.branches == b.branches, "the number of branches");
+    require(a.blur == b.blur, "the blur");
     require(a.seed == b.seed, "the seed");
     require(a.sum_bits == b.sum_bits && a.unit == b.unit, "the unit of the sums");
     require(a.weight_by_order.size() == b.weight_by_order.size(), "the depth");

@@ -51,6 +51,7 @@ struct CacheHeader {
     V3d cell = {1, 1, 1};                  // size of a voxel, metres
     int max_depth = 5;                     // of the joined path; light paths scatter one less
     int branches = 1;                      // of a photon from its first scattering on
+    double blur = 0; // radius of the disc that deposits are moved on, metres; see blur.h
     uint64_t seed = 0;
     uint64_t scene_hash = 0;
     int sum_bits = 24;

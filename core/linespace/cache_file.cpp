@@ -66,6 +66,7 @@ uint64_t digest_of(const LightCache& cache) {
     }
     for (const int64_t weight : h.weight_by_order)
         digest.add(uint64_t(weight));
+    if (h.blur != 0) digest.add(h.blur);
     for (const uint64_t first : cache.first)
         digest.add(first);
     for (size_t i = 0; i < cache.size(); ++i) {
@@ -126,6 +127,7 @@ DeepHeader deep_header(const LightCache& cache, const std::string& date_time) {
         {"ql:weight_by_order", text_of(h.weight_by_order)},
         {"ql:unclassified", fmt::format("{}", h.unclassified)},
         {"ql:digest", fmt::format("{:016x}", digest_of(cache))}};
+    if (h.blur > 0) header.metadata["ql:blur"] = h.blur;
     return header;
 }
 
@@ -212,6 +214,9 @@ CacheHeader cache_header(const DeepHeader& header) {
     h.cell = checked_vector(header, "ql:voxel_size", 0);
     h.max_depth = integer_of(header, "ql:max_depth", 2, 1 << 16);
     h.branches = integer_of(header, "ql:branches", 1, kMaxBranches);
+    h.blur = header.metadata.contains("ql:blur") ? value_of<double>(header, "ql:blur") : 0;
+    if (!std::isfinite(h.blur) || h.blur < 0)
+        throw input_error("ql:blur is {}, expected a radius in metres", h.blur);
     h.seed = number_of<uint64_t>(value_of<std::string>(header, "ql:seed"), "ql:seed");
     h.scene_hash =
         number_of<uint64_t>(value_of<std::string>(header, "ql:scene_hash"), "ql:scene_hash", 16);

@@ -1,10 +1,9 @@
-// Groups of shafts: the Linespace of a voxel with coarser patches, down to all of its lines at
-// once.
+// Groups of shafts: all that enter a voxel by one face and would leave it by another, and all of a
+// voxel.
 //
-// Level 0 has N / p x N / p patches a face, with p the least prime factor of N; the next level the
-// same of that, and so on to one patch; the last level is the voxel as a whole. Groups keep classes
-// of normals apart, as shafts do. A group is numbered first_of(level) + shaft + count (class), with
-// the directed shafts of its level. Immutable, hence safe to share between threads.
+// Groups keep classes of normals apart, as shafts do. The group of a pair of faces has the number
+// of the directed shaft between them where a face is one patch, plus 30 for each class; the voxels
+// of the classes follow. Immutable, hence safe to share between threads.
 #pragma once
 
 #include "linespace/shaft.h"

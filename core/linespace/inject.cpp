@@ -43,6 +43,7 @@ CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const Injec
     header.cell = grid.cell / space.scale;
     header.max_depth = config.max_depth;
     header.branches = branches_of(config);
+    header.blur = blur_metres(config.blur, header.cell);
     header.seed = config.seed;
     header.scene_hash = scene_hash;
     header.sum_bits = energy ? kEnergySumBits : kCountSumBits;
@@ -58,6 +59,10 @@ void check(const InjectConfig& config, const LightEmission& emission) {
     QL_CHECK(config.max_depth >= 2);
     QL_CHECK(config.branches >= 1 && config.branches <= kMaxBranches);
     QL_CHECK(config.photons.begin < config.photons.end);
+    if (config.estimator != Estimator::energy && config.blur.value > 0)
+        throw usage_error(
+            "--blur needs the estimator energy; caches of {} are blurred by ls-sample alone",
+            name_of(config.estimator));
     if (config.estimator != Estimator::energy && !emission.empty() && !emission.is_punctual())
         throw usage_error("--estimator {} knows point and spot lights only; use energy",
                           name_of(config.estimator));
@@ -118,6 +123,8 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
                           branches_of(config),
                           config.seed,
                           1 / world.space.scale,
+                          {},
+                          nullptr,
                           {}};
     for (const Material& material : source.materials)
         context.takes_light.push_back(takes_light(material));
@@ -132,6 +139,7 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
     // Trace.
     LightCache cache;
     cache.header = header_for(scene, scene_hash, config, grid, emission);
+    context.blur = Blur(scene.rays(), context.sides, cache.header.blur * world.space.scale);
     auto start = Clock::now();
     ShaftAccumulator sums(grid.size(), cache.header.sum_bits);
     if (!emission.empty())
@@ -149,7 +157,7 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
     if (config.estimator == Estimator::energy) {
         const MaterialAlphaTest alpha_test;
         report.measure = measure_shafts(world, *sides, has_alpha(source) ? &alpha_test : nullptr,
-                                        config.measure, cache, workers, progress);
+                                        context.blur, config.measure, cache, workers, progress);
     }
     report.seconds_measuring = seconds_since(start);
     return cache;

@@ -22,6 +22,7 @@ struct InjectConfig {
     int branches = 8;  // into which a photon is split where it first scatters; energy alone
     uint64_t seed = 0;
     PhotonRange photons{0, 1000000};
+    BlurRadius blur; // energy alone
     MeasureConfig measure;
 };
 

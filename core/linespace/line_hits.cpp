@@ -8,10 +8,10 @@
 namespace ql {
 
 LineHits::LineHits(const World& world, const OpenSides& sides, const AlphaTest* alpha_test,
-                   const VoxelGrid& grid, uint32_t voxel, std::span<const Primitive> primitives,
-                   int normal_classes)
-    : m_world(world), m_sides(sides), m_alpha_test(alpha_test), m_lower(grid.corner(voxel)),
-      m_cell(grid.cell), m_classes(normal_classes) {
+                   const Blur& blur, const VoxelGrid& grid, uint32_t voxel,
+                   std::span<const Primitive> primitives, int normal_classes)
+    : m_world(world), m_sides(sides), m_alpha_test(alpha_test), m_blur(blur), m_voxel(voxel),
+      m_lower(grid.corner(voxel)), m_cell(grid.cell), m_classes(normal_classes) {
     for (const Primitive& primitive : primitives) {
         const Surface& surface = world.surfaces[primitive.surface];
         const Material& material = world.scene->materials[size_t(surface.material)];
@@ -54,6 +54,9 @@ auto LineHits::local_triangle(const Primitive& primitive, int classes) const -> 
             triangle.back_class = normal_class(-normal, classes);
     }
     triangle.primitive = primitive;
+    triangle.offset = kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
+                                                detail::largest_coordinate(corners[1]),
+                                                detail::largest_coordinate(corners[2])});
     if (material.alpha_mode != AlphaMode::opaque) triangle.alpha = 0.5f;
     return triangle;
 }
@@ -117,23 +120,8 @@ void LineHits::visit_all(const LineBlock& lines, const Sink& sink) const {
 }
 
 void LineHits::visit_hits(const LineBlock& lines, bool first_only, const Sink& sink) const {
-    std::array<std::vector<LineHit>, kLinesPerBlock> found;
-    Intersections at;
-    for (const LocalTriangle* triangle : m_chosen) {
-        intersect(*triangle, lines, at);
-        for (size_t i = 0; i < kLinesPerBlock; ++i)
-            if (at.t[i] <= 1)
-                found[i].push_back(
-                    {at.t[i], alpha_of(*triangle, at.u[i], at.v[i]),
-                     triangle->class_towards({lines.dx[i], lines.dy[i], lines.dz[i]})});
-    }
-    for (const LocalShape& shape : m_shapes)
-        for (size_t i = 0; i < kLinesPerBlock; ++i)
-            add_shape_hits(shape, lines, i, found[i]);
-
+    const LineHitLists found = hits_of(lines);
     for (size_t i = 0; i < kLinesPerBlock; ++i) {
-        std::sort(found[i].begin(), found[i].end(),
-                  [](const LineHit& a, const LineHit& b) { return a.t < b.t; });
         double passed = 1;
         for (const LineHit& hit : found[i]) {
             const double share = (first_only ? passed : 1) * double(hit.alpha);
@@ -141,6 +129,60 @@ void LineHits::visit_hits(const LineBlock& lines, bool first_only, const Sink& s
             passed *= 1 - double(hit.alpha);
         }
     }
+}
+
+void LineHits::visit_moved(const LineBlock& lines, uint32_t first, uint32_t number,
+                           const Sink& sink) const {
+    const LineHitLists found = hits_of(lines);
+    const RandomWords shift = philox4x32({m_voxel, number, 1, 0}, {0x6c696e65, 0});
+    for (uint32_t i = 0; i < kLinesPerBlock; ++i) {
+        // The R2 sequence (M. Roberts 2018), as fractions of 2^32.
+        const uint32_t n = first + i;
+        const V2f u(unit_float(shift[0] + n * 3242174889u), unit_float(shift[1] + n * 2447445414u));
+        for (const LineHit& hit : found[i]) {
+            if (hit.normal_class < 0 || !(hit.alpha > 0)) continue;
+            const V3d way = to_render(lines.dx[i], lines.dy[i], lines.dz[i]);
+            const V3d point =
+                m_lower + to_render(lines.ox[i], lines.oy[i], lines.oz[i]) + way * double(hit.t);
+            const double length = way.length();
+            const uint32_t key = shift[2] + n * 0x9e3779b9u;
+            const V3f position(point), w(way / -length);
+            const V3f moved = position + m_blur.shift(position, hit.normal, hit.offset, u, key);
+            if (m_blur.is_lit_from(moved, hit.normal, hit.offset, w, double(hit.t) * length, key))
+                sink(i, hit.normal_class, double(hit.alpha));
+        }
+    }
+}
+
+auto LineHits::hits_of(const LineBlock& lines) const -> LineHitLists {
+    LineHitLists found;
+    Intersections at;
+    for (const LocalTriangle* triangle : m_chosen) {
+        intersect(*triangle, lines, at);
+        for (size_t i = 0; i < kLinesPerBlock; ++i)
+            if (at.t[i] <= 1) {
+                const V3f d(lines.dx[i], lines.dy[i], lines.dz[i]);
+                found[i].push_back({at.t[i], alpha_of(*triangle, at.u[i], at.v[i]),
+                                    triangle->class_towards(d), normal_towards(*triangle, V3d(d)),
+                                    triangle->offset});
+            }
+    }
+    for (const LocalShape& shape : m_shapes)
+        for (size_t i = 0; i < kLinesPerBlock; ++i)
+            add_shape_hits(shape, lines, i, found[i]);
+    for (std::vector<LineHit>& hits : found)
+        std::sort(hits.begin(), hits.end(),
+                  [](const LineHit& a, const LineHit& b) { return a.t < b.t; });
+    return found;
+}
+
+// d: in the coordinates of the voxel, in which the normal is that of render space times the cell.
+V3f LineHits::normal_towards(const LocalTriangle& triangle, const V3d& d) const {
+    V3d n(triangle.normal);
+    const bool faces = n.dot(d) < 0;
+    for (int axis = 0; axis < 3; ++axis)
+        n[axis] /= m_cell[axis];
+    return V3f(n.normalized()) * (faces ? 1.0f : -1.0f);
 }
 
 // The share of rays that the surface stops there: bisects the decision of the alpha test.
@@ -176,8 +218,8 @@ void LineHits::add_shape_hits(const LocalShape& shape, const LineBlock& lines, s
                                shape.surface->body_from_render.vector(d), from, 1)) {
         V3f normal = detail::transformed(shape.surface->render_from_normal, V3f(hit->normal));
         if (normal.dot(V3f(d)) > 0) normal = -normal;
-        found.push_back(
-            {float(hit->t), 1, shape.takes_light ? normal_class(normal, m_classes) : -1});
+        found.push_back({float(hit->t), 1, shape.takes_light ? normal_class(normal, m_classes) : -1,
+                         normal, shape.surface->offset});
         from = hit->t + 1e-9;
     }
 }

@@ -25,20 +25,25 @@ double added_hits(double met) {
 }
 
 // The share of a shaft's lines that meet a surface of that class, first or at all.
-ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, int normal_class,
-                       bool first_only, const MeasureConfig& config) {
+ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, uint32_t number,
+                       int normal_class, bool first_only, const MeasureConfig& config) {
     surfaces.choose(source.low(), source.high());
     LineBlock block;
     double hits = 0, weights = 0, met = 0;
+    // Caustics have no gate: as much surface is moved away as there.
+    const bool moved = first_only && surfaces.is_blurred();
     const auto count = [&](size_t line, int found_class, double share) {
-        if (found_class != normal_class || !surfaces.is_open(block, line)) return;
+        if (found_class != normal_class || !(moved || surfaces.is_open(block, line))) return;
         hits += share * double(block.weight[line]);
         met += share;
     };
     int wanted = kLinesPerBlock;
     for (int lines = 0;;) {
         source.fill(lines, block);
-        first_only ? surfaces.visit_first(block, count) : surfaces.visit_all(block, count);
+        if (moved)
+            surfaces.visit_moved(block, uint32_t(lines), number, count);
+        else
+            first_only ? surfaces.visit_first(block, count) : surfaces.visit_all(block, count);
         for (const float weight : block.weight)
             weights += double(weight);
         lines += kLinesPerBlock;
@@ -64,10 +69,11 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
     const std::span<const VoxelLines::Block> blocks = source.of_voxel(voxel);
     const VoxelLines::Block* block = nullptr;
     std::vector<double> met(all.size(), 0.0);
+    const bool moved = surfaces.is_blurred();
     int asked = 0, closed = 0;
     const auto count = [&](size_t line, int normal_class, double share) {
         ++asked;
-        if (!surfaces.is_open(block->lines, line)) {
+        if (!moved && !surfaces.is_open(block->lines, line)) {
             ++closed;
             return;
         }
@@ -89,10 +95,13 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
         for (const VoxelLines::Block& next :
              blocks.subspan(n, std::min(kStep, blocks.size() - n))) {
             block = &next;
-            surfaces.visit_first(next.lines, count);
+            if (moved)
+                surfaces.visit_moved(next.lines, uint32_t(lines), ~0u, count);
+            else
+                surfaces.visit_first(next.lines, count);
             lines += kLinesPerBlock;
         }
-        if (asked >= config.enough_open && closed == 0) surfaces.take_as_open();
+        if (!moved && asked >= config.enough_open && closed == 0) surfaces.take_as_open();
     }
     lines_total += uint64_t(lines);
     std::vector<double> measures;
@@ -111,8 +120,9 @@ double weight_of(const LightCache& cache, uint64_t i) {
 } // namespace
 
 MeasureReport measure_shafts(const World& world, const OpenSides& sides,
-                             const AlphaTest* alpha_test, const MeasureConfig& config,
-                             LightCache& cache, const Workers& workers, Progress& progress) {
+                             const AlphaTest* alpha_test, const Blur& blur,
+                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
+                             Progress& progress) {
     const VoxelGrid grid = grid_of(cache.header, world.space);
     const ShaftGroups all_groups(cache.header.patches, cache.header.normal_classes);
     const EtendueTable etendue(cache.header.cell, cache.header.patches);
@@ -136,7 +146,8 @@ MeasureReport measure_shafts(const World& world, const OpenSides& sides,
     progress.start("measuring shafts", filled.size());
     workers.for_each(filled.size(), [&](size_t n) {
         const uint32_t voxel = filled[n];
-        LineHits surfaces(world, sides, alpha_test, grid, voxel, primitives.of(voxel), classes);
+        LineHits surfaces(world, sides, alpha_test, blur, grid, voxel, primitives.of(voxel),
+                          classes);
         MeasureReport& report = reports[n];
         groups[n] = all_groups.holding(cache.gated_shafts_of(voxel));
         for (const double measure : group_measures(groups[n], all_groups, voxel_lines, voxel,
@@ -146,7 +157,7 @@ MeasureReport measure_shafts(const World& world, const OpenSides& sides,
             const uint32_t number = cache.shafts[i];
             const ShaftEnds ends = shaft_ends(number % directed, patches);
             const ShareEstimate estimate = share_of(
-                ShaftLines(ends, patches, grid.cell, voxel, number), surfaces,
+                ShaftLines(ends, patches, grid.cell, voxel, number), surfaces, number,
                 int(number / directed) % classes, number < cache.header.caustics_from(), config);
             cache.measures[i] = float(etendue(ends) * estimate.share);
             report.lines += uint64_t(estimate.lines);

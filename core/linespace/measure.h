@@ -5,12 +5,15 @@
 // the mean number of such surfaces on a line. Lines join low-discrepancy points on both patches; a
 // first set of 32 decides how many more a shaft needs. An unbiased f makes 1/f biased, so that one
 // hit and one line are added, (n + 1)/(K + 1): its inverse is unbiased but for (1 - f)^(K + 1), and
-// finite where no line of the sample meets anything. Groups of shafts (groups.h) share lines
-// through the whole voxel. Depends on the scene, the grid and the shaft or group alone.
+// finite where no line of the sample meets anything. With a blur (blur.h) a line counts for the
+// point on it that another point is moved to, if light comes to that one past the voxel. Groups of
+// shafts (groups.h) share lines through the whole voxel. Depends on the scene, the grid and the
+// shaft or group alone.
 #pragma once
 
 #include "base/progress.h"
 #include "geometry/embree_scene.h"
+#include "linespace/blur.h"
 #include "linespace/cache.h"
 #include "linespace/groups.h"
 #include "linespace/open_sides.h"
@@ -35,7 +38,8 @@ struct MeasureReport {
 // Fills cache.measures, and cache.groups with all that belongs to it. alpha_test may be null where
 // no material has an alpha mode.
 MeasureReport measure_shafts(const World& world, const OpenSides& sides,
-                             const AlphaTest* alpha_test, const MeasureConfig& config,
-                             LightCache& cache, const Workers& workers, Progress& progress);
+                             const AlphaTest* alpha_test, const Blur& blur,
+                             const MeasureConfig& config, LightCache& cache, const Workers& workers,
+                             Progress& progress);
 
 } // namespace ql

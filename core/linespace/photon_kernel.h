@@ -10,9 +10,11 @@
 //   block 1: point and direction on the light
 //   block 4096 b + 2 + d: lobe, direction (2), Russian roulette     of branch b at scattering d;
 //                         b = 0 up to the split, 1, 2, ... after it
+//   block 4096 b + 2048 + 2 + d: where the blur moves the deposit after d scatterings
 #pragma once
 
 #include "linespace/accumulate.h"
+#include "linespace/blur.h"
 #include "linespace/open_sides.h"
 #include "linespace/vertex.h"
 #include "shading/light_emission.h"
@@ -32,6 +34,7 @@ struct PhotonContext {
     double metres = 1;                // per unit of render space
     std::vector<char> takes_light;    // by material
     const OpenSides* sides = nullptr; // null: all are open
+    Blur blur;
 };
 
 struct PhotonCounts {
@@ -96,6 +99,7 @@ class PhotonKernel {
         uint32_t branch = 0;
         uint32_t alpha_key = 0;
     };
+    static constexpr uint32_t kBlurBlocks = 2048;
     static uint32_t block_of(const Flight& flight) {
         return 4096 * flight.branch + 2 + uint32_t(flight.scatterings);
     }
@@ -109,7 +113,8 @@ class PhotonKernel {
     bool is_open(const SurfacePoint& point, const V3f& w) const {
         return !m_context.sides || m_context.sides->is_open(point.surface, point.ng.dot(w) > 0);
     }
-    void deposit(const PathVertex& vertex, double distance, const Flight& flight) const;
+    void deposit(const PathVertex& vertex, double distance, const Flight& flight,
+                 const CounterRandom& random) const;
     V3f first_weight(const EmittedPhoton& emitted) const;
     V3f weakened(const V3f& weight, const PathVertex& vertex, double distance,
                  int scatterings) const;
@@ -139,12 +144,18 @@ V3f PhotonKernel<Lobes, Attributes>::weakened(const V3f& weight, const PathVerte
 
 template<uint32_t Lobes, uint32_t Attributes>
 void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double distance,
-                                              const Flight& flight) const {
+                                              const Flight& flight,
+                                              const CounterRandom& random) const {
     const V3f& weight = flight.weight;
     const int64_t order_weight = std::llrint(
         (double(weight.x) + double(weight.y) + double(weight.z)) / 3 * (1 << kOrderBits));
-    const auto place =
-        locate(m_context.grid, m_context.patches, start_of(vertex, vertex.wo), V3d(vertex.wo));
+    V3d point = start_of(vertex, vertex.wo);
+    if (m_context.blur.is_on()) {
+        const RandomFloats u = random.block(block_of(flight) + kBlurBlocks);
+        point += V3d(m_context.blur.shift(vertex.position, vertex.ng, vertex.offset, {u[0], u[1]},
+                                          flight.alpha_key));
+    }
+    const auto place = locate(m_context.grid, m_context.patches, point, V3d(vertex.wo));
     if (!place) {
         m_counts.unclassified += order_weight;
         return;
@@ -236,7 +247,7 @@ void PhotonKernel<Lobes, Attributes>::follow(Flight flight, Ray ray,
         }
         if (flight.scatterings > 0 && takes_light) {
             if (flight.left_open_side && is_open(point, -ray.direction))
-                deposit(vertex, double(hit.t), flight);
+                deposit(vertex, double(hit.t), flight, random);
             else
                 ++m_counts.gated;
         }

@@ -166,12 +166,12 @@ SampleResult sample_frame(const PosedScene& scene, const PixelCamera& camera,
                           const SampleConfig& config, const Workers& workers, Progress& progress) {
     QL_CHECK(config.spp >= 1 && config.read.max_depth >= 1 && config.read.reads >= 1);
     const Scene& source = *scene.world().scene;
-    const V3d& cell = table.grid().cell;
     ReadJob frame{camera,
                   seeds,
                   config,
                   {scene.rays(), scene.lights(), table, candidates, sides, config.read,
-                   config.read.blur * std::min({cell.x, cell.y, cell.z}), any_emission(source)},
+                   Blur(scene.rays(), sides, config.blur_metres * scene.world().space.scale),
+                   any_emission(source)},
                   Image(seeds.width(), seeds.height()),
                   {},
                   {}};

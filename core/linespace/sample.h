@@ -26,7 +26,8 @@ uint32_t parse_read_layers(const std::string& names);
 struct SampleConfig {
     ReadConfig read;
     int spp = 1;
-    uint32_t layers = 0; // see ReadLayer
+    double blur_metres = 0; // radius of the disc that look-ups are moved on, see blur.h
+    uint32_t layers = 0;    // see ReadLayer
 };
 
 struct SampleResult {

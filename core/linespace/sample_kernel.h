@@ -16,6 +16,7 @@
 //   block 4096 b + 5 d + 5: lobe and direction (2) of what is traced on, Russian roulette
 #pragma once
 
+#include "linespace/blur.h"
 #include "linespace/candidates.h"
 #include "linespace/open_sides.h"
 #include "linespace/parted_vertex.h"
@@ -34,7 +35,6 @@ struct ReadConfig {
     int reads = 1;          // of the cache at the first vertex of a path that reads, at least 1
     GlossyLimits glossy;
     bool all_lights = false; // as in PathConfig
-    double blur = 0;         // radius of the look-up disc; of a voxel's shortest side
     float shaft_jitter = 0;  // width of the box that look-ups are moved in, in patches
     Fallback fallback = Fallback::never;
 };
@@ -46,7 +46,7 @@ struct ReadContext {
     const ShaftCandidates* candidates; // null: ask Embree whether a ray leaves its voxel
     const OpenSides* sides;            // null: all are open
     ReadConfig config;
-    double blur_radius = 0; // render space
+    Blur blur;
     bool has_emission = false;
 };
 
@@ -201,28 +201,19 @@ bool ReadKernel<Lobes, Attributes>::survives(Path& path, float u) const {
     return !detail::is_black(path.throughput);
 }
 
-// The shaft to read. Blur moves the point on a disc, where that is still on a surface; jitter moves
-// the line on the faces of the voxel.
+// The shaft to read. Blur moves the point; jitter moves the line on the faces of the voxel.
 template<uint32_t Lobes, uint32_t Attributes>
 std::optional<ShaftPlace> ReadKernel<Lobes, Attributes>::look_up(const PartedVertex& v,
                                                                  const V3f& wi, const Path& path,
                                                                  const PixelRandom& random) const {
     const ReadTable& table = m_context.table;
-    const V3d start = start_of(v.at, wi);
-    std::optional<ShaftPlace> place;
-    if (m_context.blur_radius > 0) {
+    V3d start = start_of(v.at, wi);
+    if (m_context.blur.is_on()) {
         const RandomFloats u = random.block(path.block(3));
-        const V2f disc = square_to_uniform_disk({u[0], u[1]}) * float(m_context.blur_radius);
-        const Frame frame = frame_from_normal(v.at.ng);
-        const V3f moved = v.at.position + frame.s * disc.x + frame.t * disc.y;
-        // A short ray down finds out whether the moved point lies on a surface.
-        const float height = 0.02f * float(m_context.blur_radius) + 2 * v.at.offset;
-        const Ray down{moved + v.at.ng * height, 0, -v.at.ng, 2 * height};
-        if (m_context.rays.is_occluded(down, path.key()))
-            place =
-                locate(table.grid(), table.patches(), start + V3d(moved - v.at.position), V3d(wi));
+        start += V3d(
+            m_context.blur.shift(v.at.position, v.at.ng, v.at.offset, {u[0], u[1]}, path.key()));
     }
-    if (!place) place = locate(table.grid(), table.patches(), start, V3d(wi));
+    std::optional<ShaftPlace> place = locate(table.grid(), table.patches(), start, V3d(wi));
     if (!place || !(m_context.config.shaft_jitter > 0)) return place;
     const RandomFloats u = random.block(path.block(4));
     const double width = double(m_context.config.shaft_jitter);

@@ -75,6 +75,7 @@ Image cache_sampled(const Posed& p, const LightCache& cache, double size, int sp
     config.read.reads = 4;
     config.spp = spp;
     config.layers = kLayerDirect | kLayerIndirect | kLayerCached;
+    config.blur_metres = cache.header.blur;
     const OpenSides sides(p.posed.rays(), LightEmission(p.posed.lights()), kWorkers);
     return sample_frame(p.posed, camera_of(p, size, kPixels), table, nullptr, &sides,
                         fresh_seeds(4, 0, kPixels, kPixels), config, kWorkers, progress)
@@ -103,21 +104,25 @@ double path_traced_indirect(const Posed& p, int depth) {
 TEST(LinespaceEnergy, OfAFurnaceIsTheClosedForm) {
     // Walls that emit 1 and reflect a half: what arrives after one scattering or more is 1.
     const Posed p(reference::box_scene({.albedo = 0.5f, .emission = V3f(1)}));
-    const LightCache cache = inject(p, injection(6, 2, 600000, 40));
-    const ReadTable table(cache, p.space, p.posed.lights(), {}, kWorkers);
-    double light = 0, measure = 0;
-    for (uint32_t v = 0; v < cache.header.voxel_count(); ++v)
-        for (uint64_t i = cache.first[v]; i < cache.first[v + 1]; ++i) {
-            const V3f radiance = table.radiance(v, cache.shafts[i]);
-            const double m = double(cache.measures[i]);
-            light += double(radiance.x) * m * std::ldexp(1.0, p.posed.lights().exponent());
-        }
-    // The measure of a voxel counts its dark shafts too. Both sides of the walls shine, and the
-    // outside reflects nothing back: photons that start outside leave, that side is closed.
-    const ShaftGroups groups(cache.header.patches, cache.header.normal_classes);
-    for (size_t g = 0; g < cache.groups.size(); ++g)
-        if (groups.is_voxel(cache.groups[g])) measure += double(cache.group_measures[g]);
-    EXPECT_NEAR(light / measure, 1, 0.01);
+    for (const double blur : {0.0, 0.5}) {
+        InjectConfig config = injection(6, 2, 600000, 40);
+        config.blur = {blur, true};
+        const LightCache cache = inject(p, config);
+        const ReadTable table(cache, p.space, p.posed.lights(), {}, kWorkers);
+        double light = 0, measure = 0;
+        for (uint32_t v = 0; v < cache.header.voxel_count(); ++v)
+            for (uint64_t i = cache.first[v]; i < cache.first[v + 1]; ++i) {
+                const V3f radiance = table.radiance(v, cache.shafts[i]);
+                const double m = double(cache.measures[i]);
+                light += double(radiance.x) * m * std::ldexp(1.0, p.posed.lights().exponent());
+            }
+        // The measure of a voxel counts its dark shafts too. Both sides of the walls shine, and the
+        // outside reflects nothing back: photons that start outside leave, that side is closed.
+        const ShaftGroups groups(cache.header.patches, cache.header.normal_classes);
+        for (size_t g = 0; g < cache.groups.size(); ++g)
+            if (groups.is_voxel(cache.groups[g])) measure += double(cache.group_measures[g]);
+        EXPECT_NEAR(light / measure, 1, 0.01) << blur;
+    }
 }
 
 TEST(LinespaceEnergy, StoredAndGatedLightIsTheClosedForm) {
@@ -249,6 +254,19 @@ TEST(LinespaceEnergy, OfAThinPlateAboveTheFloorIsThatOfPathTracing) {
     const Posed p(reference::box_scene(box));
     EXPECT_NEAR(indirect_ratio(p, injection(6, 4, 300000, 6), path_traced_indirect(p, 6)), 1,
                 0.015);
+}
+
+TEST(LinespaceEnergy, OfABlurredCacheIsThatOfPathTracing) {
+    for (const BoxScene& box :
+         {BoxScene{.albedo = 0.7f, .has_plate = true, .lights = {{{0.5, 0.8, 0.5}, 1}}},
+          BoxScene{.albedo = 0.7f, .has_block = true, .lights = {{{0.5, 0.8, 0.5}, 1}}}}) {
+        const Posed p(reference::box_scene(box));
+        InjectConfig config = injection(6, 4, 300000, 6);
+        config.blur = {0.5, true};
+        for (const double smoothing : {0.0, 1e6})
+            EXPECT_NEAR(indirect_ratio(p, config, path_traced_indirect(p, 6), smoothing), 1, 0.02)
+                << box.has_plate << " " << smoothing;
+    }
 }
 
 TEST(LinespaceEnergy, OfACausticByAMirrorIsThatOfTheLightBehindIt) {

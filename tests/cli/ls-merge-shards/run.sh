@@ -18,6 +18,15 @@ ls-merge shard4.exr shard2.exr shard5.exr shard1.exr shard3.exr -o five.exr && c
 ls-inject "$scene" "${options[@]}" --photons 15000:20000 --add first.exr -o added.exr &&
     cmp whole.exr added.exr
 
+# The same with a blur, which is part of the cache.
+options=(--voxels 5x4x6 --max-depth 4 -q --blur 0.5vox)
+ls-inject "$scene" "${options[@]}" --photons 5000 -j 1 -o blurred.exr || exit
+ls-inject "$scene" "${options[@]}" --photons 0:2000 -j 2 -o shard6.exr || exit
+ls-inject "$scene" "${options[@]}" --photons 2000:5000 -j 3 --add shard6.exr -o added.exr && cmp blurred.exr added.exr
+ls-inject "$scene" --voxels 5x4x6 --max-depth 4 -q --photons 5000:6000 -o sharp.exr || exit
+ls-merge blurred.exr sharp.exr -o bad.exr
+echo "exit $?"
+
 # Photons that are in both, and caches of another run, are refused.
 ls-merge whole.exr shard2.exr -o bad.exr
 echo "exit $?"

@@ -16,6 +16,8 @@ try ls-sample "$scene" -o a.exr
 try ls-sample "$scene" --cache c.exr --max-depth 4 -o a.exr
 try ls-sample "$scene" --cache c.exr --fallback trace -o a.exr
 try ls-sample "$scene" --cache c.exr --blur 3furlong -o a.exr
+try ls-inject "$scene" --estimator count-text --blur 0.25vox -q -o a.exr
+try ls-sample "$scene" --cache c.exr --occlusion candidates --blur 0.1 -o a.exr
 try ls-sample "$scene" --cache c.exr --layers red -o a.exr
 try ls-sample "$scene" --cache c.exr --glossy 5 2 -o a.exr
 [ ! -e a.exr ]

@@ -2,6 +2,7 @@
 #include "linespace/etendue.h"
 #include "linespace/measure.h"
 #include "reference/linespace_scenes.h"
+#include "reference/scene_builder.h"
 #include "render/posed_scene.h"
 #include "sampling/random.h"
 #include "sampling/warp.h"
@@ -46,11 +47,12 @@ double without_added_hits(double share) {
 }
 
 // Measures with a fixed number of lines; takes back what is added for the sake of the inverse.
-std::vector<double> measures_of(const PosedScene& scene, LightCache& cache) {
+std::vector<double> measures_of(const PosedScene& scene, LightCache& cache, double blur = 0) {
     const Workers workers(2);
     Progress progress;
     const OpenSides sides(scene.rays(), LightEmission(scene.lights()), workers);
-    measure_shafts(scene.world(), sides, nullptr, {kLines, 1000000}, cache, workers, progress);
+    measure_shafts(scene.world(), sides, nullptr, Blur(scene.rays(), &sides, blur),
+                   {kLines, 1000000}, cache, workers, progress);
     const EtendueTable etendue(cache.header.cell, cache.header.patches);
     std::vector<double> measures(cache.size());
     for (size_t i = 0; i < cache.size(); ++i) {
@@ -74,6 +76,23 @@ TEST(Measure, OfAllShaftsSumsToPiTimesBothSidesOfASurface) {
             sum += m;
         EXPECT_NEAR(sum / (2 * std::numbers::pi), 1, 0.01) << voxels << " " << patches;
     }
+}
+
+// A blur moves points neither over a rim nor behind a fold: as many come as go.
+TEST(Measure, OfAllShaftsIsTheSameWithABlurThatCrossesAFold) {
+    reference::SceneBuilder b;
+    const int material = b.add_material(reference::lambert(V3f(0.5f)));
+    b.add_quad({0, 0, 0}, {1, 0, 0.01f}, {0, 2, 0}, material);
+    b.add_quad({1, 0, 0.01f}, {1, 0, -0.01f}, {0, 2, 0}, material);
+    const Workers workers(2);
+    const PosedScene posed(b.scene, render_space_of(b.scene, workers), 0, workers);
+    const double scale = posed.world().space.scale;
+    const VoxelGrid grid = grid_over(posed.world(), {{3, 3, 1}, 0});
+    LightCache cache = full_cache(grid, posed.world().space, 2);
+    double sum = 0;
+    for (const double m : measures_of(posed, cache, 0.3 * scale))
+        sum += m;
+    EXPECT_NEAR(sum / (2 * std::numbers::pi * 4), 1, 0.01);
 }
 
 // Points on the surfaces with cosine directions, counted by shaft.

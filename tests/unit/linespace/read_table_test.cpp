@@ -32,7 +32,7 @@ struct SparseCache {
         all.sums.assign(all.size(), {1, 1, 1});
         Progress progress;
         const OpenSides sides(posed.rays(), LightEmission(posed.lights()), workers);
-        measure_shafts(posed.world(), sides, nullptr, {}, all, workers, progress);
+        measure_shafts(posed.world(), sides, nullptr, {}, {}, all, workers, progress);
         measures.assign(all.measures.begin(), all.measures.end());
 
         cache.header = all.header;
