@@ -11,6 +11,8 @@
 
 namespace ql {
 
+inline constexpr double kMaxBlur = 1e6; // metres or voxels
+
 // A length in metres or in voxels, by their shortest side.
 struct BlurRadius {
     double value = 0;

@@ -110,7 +110,10 @@ void edit_header(CacheHeader& h, uint32_t where, uint32_t value) {
             h.weight_by_order[where / 16 % h.weight_by_order.size()] = value_from<int64_t>(value);
         break;
     default:
-        h.unclassified = value_from<int64_t>(value);
+        if (where / 16 % 2 == 0)
+            h.unclassified = value_from<int64_t>(value);
+        else
+            h.blur = double(float_from(value));
         break;
     }
 }
@@ -147,6 +150,7 @@ void sample(const LightCache& cache) {
     const ReadTable table(cache, w.space, w.posed.lights(), {1}, w.workers);
     SampleConfig config;
     config.read.max_depth = std::min(cache.header.max_depth, 4);
+    config.blur_metres = cache.header.blur;
     Progress quiet;
     fuzz::check_picture(sample_frame(w.posed, w.camera, table, nullptr, nullptr,
                                      fresh_seeds(1, 0, 2, 2), config, w.workers, quiet)
