@@ -9,9 +9,9 @@
 
 #include "linespace/open_sides.h"
 
-namespace ql {
+#include <algorithm>
 
-inline constexpr double kMaxBlur = 1e6; // metres or voxels
+namespace ql {
 
 // A length in metres or in voxels, by their shortest side.
 struct BlurRadius {
@@ -26,7 +26,7 @@ class Blur {
     Blur() = default; // none
     // sides may be null: all are open. Both must outlive it. radius: in render space, 0 for none.
     Blur(const EmbreeScene& rays, const OpenSides* sides, double radius)
-        : m_rays(&rays), m_sides(sides), m_radius(float(radius)) {}
+        : m_rays(&rays), m_sides(sides), m_radius(float(std::min(radius, kBeyondScenes))) {}
 
     bool is_on() const { return m_radius > 0; }
     // How far a point is moved. normal: unit, on the side that the light comes to; offset: of rays
@@ -38,6 +38,9 @@ class Blur {
                      double distance, uint32_t alpha_key) const;
 
   private:
+    // In render space, where scenes are of order 1: no disc of that size meets anything.
+    static constexpr double kBeyondScenes = 1e6;
+
     const EmbreeScene* m_rays = nullptr;
     const OpenSides* m_sides = nullptr;
     float m_radius = 0;

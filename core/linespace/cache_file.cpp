@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "image/deep_image.h"
-#include "linespace/blur.h"
 #include "linespace/groups.h"
 
 #include <algorithm>
@@ -216,8 +215,8 @@ CacheHeader cache_header(const DeepHeader& header) {
     h.max_depth = integer_of(header, "ql:max_depth", 2, 1 << 16);
     h.branches = integer_of(header, "ql:branches", 1, kMaxBranches);
     h.blur = header.metadata.contains("ql:blur") ? value_of<double>(header, "ql:blur") : 0;
-    if (!(h.blur >= 0 && h.blur <= kMaxBlur))
-        throw input_error("ql:blur is {}, expected a radius in metres up to {}", h.blur, kMaxBlur);
+    if (!std::isfinite(h.blur) || h.blur < 0)
+        throw input_error("ql:blur is {}, expected a radius in metres", h.blur);
     h.seed = number_of<uint64_t>(value_of<std::string>(header, "ql:seed"), "ql:seed");
     h.scene_hash =
         number_of<uint64_t>(value_of<std::string>(header, "ql:scene_hash"), "ql:scene_hash", 16);
