@@ -157,7 +157,7 @@ $(VIEWS:%=$(OUT)/view-fallback-%.exr): $(OUT)/view-fallback-%.exr: $(OUT)/listin
 
 # --- Figures 12 and 13 ----------------------------------------------------------------------------
 CORNELL_GAIN = 2
-SPONZA_GAIN = 10
+SPONZA_GAIN = 4
 $(OUT)/figure_12a.png: sheet $(foreach k,cache path,$(MATERIALS:%=$(OUT)/$(k)-%.exr))
 	./sheet $@ 4x2 --gain $(CORNELL_GAIN) $(filter %.exr,$^)
 $(OUT)/figure_12b.png: sheet $(foreach k,cache path,$(VIEWS:%=$(OUT)/view-$(k)-%.exr))
@@ -178,7 +178,7 @@ $(OUT)/figure_13.csv: figures $(CORNELL_PAIRS) $(SPONZA_PAIRS)
 # --- Figures 14, 15, 16, 18: close-ups ------------------------------------------------------------
 # Rectangles in percent of the image.
 EDGE = 46,72,34,24
-WINDOW = 40,20,20,30
+WINDOW = 49,12,17,24
 BACK_BLOCK = 24,40,30,48
 BACK_WALL = 35,22,40,20
 RIGHT_SIDE = 30,42,24,46
