@@ -15,6 +15,6 @@ set logscale y
 set format y '10^{%T}'
 set key top right
 set ylabel 'relMSE of means of 8 x 8 pixels, bias alone'
-plot for [n in patches] rows(n, '0') using 1:($7 > 0 ? $7 : NaN) with linespoints title 'N = '.n, \
-     rows(word(patches, words(patches)), '1000') using 1:($7 > 0 ? $7 : NaN) with linespoints lc rgb 'black' dt 2 title 'k = 1000'
+plot for [n in patches] rows(n, '0') using 1:($8 > 0 ? $8 : NaN) with linespoints title 'N = '.n, \
+     rows(word(patches, words(patches)), '1000') using 1:($8 > 0 ? $8 : NaN) with linespoints lc rgb 'black' dt 2 title 'k = 1000'
 unset multiplot
