@@ -67,7 +67,7 @@ VIEWS ?= nave lion arcade
 SPONZA_PARTS = $(SPONZA) $(SCENES)/sponza_lights.gltf
 HAVE_SPONZA := $(wildcard $(SPONZA))
 
-FIGURES = figure_12a.png figure_13.png figure_13.csv figure_14a.png figure_15.png figure_15.csv \
+FIGURES = figure_12a.png figure_13.png figure_13.csv figure_14a.png figure_14a.csv figure_15.png figure_15.csv \
 	figure_16.png figure_16.csv figure_17.csv figure_17.svg figure_17.png figure_18.png caustics.png \
 	caustics.csv caustics_summary.csv table_2.csv sizes.csv estimators.csv bias.csv bias.svg bias.png noise.csv noise_slope.csv \
 	noise.svg noise.png $(if $(HAVE_SPONZA),figure_12b.png figure_14b.png)
@@ -185,6 +185,9 @@ RIGHT_SIDE = 30,42,24,46
 crop = --crop $$(./window $(CORNELL_SIZE) $(1))
 $(OUT)/figure_14a.png: sheet window $(foreach k,path cache listing fallback,$(OUT)/$(k)-point.exr)
 	./sheet $@ 4x1 --gain $(CORNELL_GAIN) $(call crop,$(EDGE)) --zoom $(ZOOM) $(filter %.exr,$^)
+$(OUT)/figure_14a.csv: figures window $(foreach k,path cache listing fallback,$(OUT)/$(k)-point.exr)
+	(./figures header method $(foreach k,cache listing fallback,\
+		&& ./figures $(k) $(OUT)/$(k)-point.exr $(OUT)/path-point.exr $(call crop,$(EDGE)))) >$@
 $(OUT)/figure_14b.png: sheet window $(foreach k,path cache listing fallback,$(OUT)/view-$(k)-arcade.exr)
 	./sheet $@ 4x1 --gain $(SPONZA_GAIN) --crop $$(./window $(SPONZA_SIZE) $(WINDOW)) --zoom $(ZOOM) $(filter %.exr,$^)
 $(OUT)/figure_15.png: sheet window $(OUT)/path-phong.exr $(OUT)/cache-phong.exr
