@@ -148,18 +148,23 @@ std::vector<std::byte> read_file(const std::string& path, size_t max_bytes) {
             if (d > 0) close(d);
         }
     } closer{descriptor};
+    constexpr size_t kStep = size_t(1) << 20;
+    size_t room = kStep;
     struct stat status = {};
-    std::vector<std::byte> bytes;
     if (fstat(descriptor, &status) == 0) {
         if (S_ISDIR(status.st_mode)) throw input_error("{}: is a folder, expected a file", name);
-        if (S_ISREG(status.st_mode)) {
+        if (S_ISREG(status.st_mode) && status.st_size > 0) {
             if (size_t(status.st_size) > max_bytes) throw too_large(name, max_bytes);
-            bytes.reserve(size_t(status.st_size) + 1);
+            room = size_t(status.st_size) + 1; // where its end shows
         }
     }
-    constexpr size_t kStep = size_t(1) << 20;
+    std::vector<std::byte> bytes;
     for (size_t size = 0;;) {
-        bytes.resize(std::max(size + kStep, std::min(bytes.capacity(), max_bytes)));
+        // A file is given its size; what has none, or grows, twice what it has.
+        if (size == bytes.size()) {
+            bytes.resize(size + std::max(size, room));
+            room = kStep;
+        }
         const ssize_t n = read(descriptor, bytes.data() + size, bytes.size() - size);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) throw input_error("{}: {}", name, std::strerror(errno));

@@ -1,22 +1,135 @@
-// What the specialised path tracing kernels buy: the same scene rendered by the kernel that it
-// requires and by each larger one, which it gets by materials and meshes that nothing uses.
-//     kernel_bench
-// 256 x 256 pixels, 4 samples, depth 5, one thread; kernels take turns, medians of nine; the ratio
-// to the general kernel (all lobes, textures) is what counts.
+// What the specialised kernels buy: the same work done by the kernel that a scene requires and by
+// each larger one, which it gets by materials and meshes that nothing uses.
+//     kernel_bench [RUNS]    9 unless given
+// Work of each tool, on one thread: bn-render and ls-sample 256 x 256 pixels at 4 samples and depth
+// 5, ls-inject the tracing of 40,000 photons, rsm-render a map of 256 x 256 texels and 256 x 256
+// pixels of 8 texels each. Kernels take turns; medians of processor time; the ratio to the general
+// kernel (all lobes, textures) is what counts. Rays are counted: they should be the same in all.
+#include "linespace/inject.h"
+#include "linespace/sample.h"
 #include "reference/scene_builder.h"
+#include "rsm/render.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
 
 namespace {
 
 using namespace ql;
 using namespace ql::reference;
 
-constexpr int kSide = 256, kSpp = 4, kRuns = 9;
+constexpr int kSide = 256, kSpp = 4, kMapSide = 256, kTexels = 8;
+constexpr uint64_t kPhotons = 40000;
+
+const Workers kOne(1);
+
+// A scene ready for all tools.
+struct Stage {
+    Scene scene;
+    RenderSpace space;
+    PosedScene posed;
+    PixelCamera camera;
+    explicit Stage(Scene s)
+        : scene(std::move(s)), space(render_space_of(scene, kOne)), posed(scene, space, 0, kOne),
+          camera(camera_of(cornell_view(kSide), scene, space)) {}
+};
+
+// Does a tool's work once; returns the number of its rays.
+using Work = std::function<uint64_t()>;
+
+Work path_tracing(const Stage& stage) {
+    return [&stage] {
+        RenderConfig config;
+        config.spp = kSpp;
+        Progress progress;
+        const RayCounts rays =
+            render_frame(stage.posed, stage.camera, fresh_seeds(0, 0, kSide, kSide), config,
+                         nullptr, kOne, progress)
+                .rays;
+        return rays.camera + rays.indirect + rays.shadow;
+    };
+}
+
+Work photon_tracing(const Stage& stage) {
+    struct State {
+        LightEmission emission;
+        OpenSides sides;
+        PhotonContext context;
+        explicit State(const Stage& s)
+            : emission(s.posed.lights()),
+              sides(s.posed.rays(), emission, kOne), context{s.posed.rays(), emission,
+                                                             grid_over(s.posed.world(), {})} {
+            context.branches = InjectConfig().branches;
+            context.metres = 1 / s.space.scale;
+            for (const Material& material : s.scene.materials)
+                context.takes_light.push_back(takes_light(material));
+            context.sides = &sides;
+        }
+    };
+    return [&stage, state = std::make_shared<State>(stage)] {
+        std::vector<Deposit> deposits;
+        PhotonCounts counts;
+        photon_tracer_for(stage.scene)(state->context, 0, kPhotons, deposits, counts);
+        return counts.rays;
+    };
+}
+
+Work cache_reading(const Stage& stage) {
+    struct State {
+        OpenSides sides;
+        std::unique_ptr<ReadTable> table;
+        explicit State(const Stage& s)
+            : sides(s.posed.rays(), LightEmission(s.posed.lights()), kOne) {
+            InjectConfig config;
+            config.photons = {0, kPhotons};
+            InjectReport report;
+            Progress progress;
+            const LightCache cache = inject(s.posed, 1, config, kOne, progress, report);
+            table = std::make_unique<ReadTable>(cache, s.space, s.posed.lights(),
+                                                ReadTableConfig{1000}, kOne);
+        }
+    };
+    return [&stage, state = std::make_shared<State>(stage)] {
+        SampleConfig config;
+        config.spp = kSpp;
+        Progress progress;
+        const RayCounts rays =
+            sample_frame(stage.posed, stage.camera, *state->table, nullptr, &state->sides,
+                         fresh_seeds(0, 0, kSide, kSide), config, kOne, progress)
+                .counts.rays;
+        return rays.camera + rays.indirect + rays.shadow;
+    };
+}
+
+Work map_gathering(const Stage& stage) {
+    return [&stage] {
+        RsmConfig config;
+        config.map.size = kMapSide;
+        config.gather.samples = kTexels;
+        Progress progress;
+        RsmRenderer renderer(stage.posed, stage.camera, kSide, kSide, config, kOne, progress);
+        renderer.prepare_pass();
+        renderer.render_pass();
+        const RsmCounts& rays = renderer.counts();
+        return rays.camera + rays.direct_shadow + rays.gather_shadow + rays.map;
+    };
+}
+
+// What a tool's kernels are specialised by.
+struct Tool {
+    const char* name;
+    Work (*work)(const Stage& stage);
+    bool by_lobes, by_normals; // else: with textures and normals, or without both
+};
+
+constexpr Tool kTools[] = {{"bn-render", path_tracing, true, true},
+                           {"ls-inject", photon_tracing, true, true},
+                           {"ls-sample", cache_reading, true, false},
+                           {"rsm-render", map_gathering, false, true}};
 
 // A mesh that no node places, with normals or colours.
 Mesh unused_mesh(uint32_t attribute) {
@@ -27,24 +140,19 @@ Mesh unused_mesh(uint32_t attribute) {
 }
 
 struct Variant {
-    Scene scene;
     std::string kernel;
+    std::unique_ptr<Stage> stage;
+    Work work;
+    uint64_t rays = 0;
     std::vector<double> seconds = {};
 };
 
-double seconds_of(const Scene& scene) {
-    RenderConfig config;
-    config.spp = kSpp;
-    const auto start = std::chrono::steady_clock::now();
-    render_scene(scene, cornell_view(kSide), config);
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-void measure(const char* name, const Scene& needed) {
+std::vector<Variant> variants_of(const Tool& tool, const Scene& needed) {
     std::vector<Variant> variants;
-    for (const int lobes : {0, 1, 2})
-        for (const uint32_t attribute :
-             {0u, uint32_t(kAttributeNormals), uint32_t(kAttributeTextures)}) {
+    std::vector<uint32_t> attributes = {0, kAttributeTextures};
+    if (tool.by_normals) attributes.insert(attributes.begin() + 1, kAttributeNormals);
+    for (int lobes = 0; lobes < (tool.by_lobes ? 3 : 1); ++lobes)
+        for (const uint32_t attribute : attributes) {
             Scene scene = needed;
             if (lobes == 1) scene.materials.push_back(metal(0.5f));
             if (lobes == 2) scene.materials.push_back(glass(1.5f));
@@ -52,24 +160,54 @@ void measure(const char* name, const Scene& needed) {
             const std::string kernel = choose_kernel(scene).name;
             const bool known = std::any_of(variants.begin(), variants.end(),
                                            [&](const Variant& v) { return v.kernel == kernel; });
-            if (!known) variants.push_back({std::move(scene), kernel});
+            if (known) continue;
+            auto stage = std::make_unique<Stage>(std::move(scene));
+            Work work = tool.work(*stage);
+            variants.push_back({kernel, std::move(stage), std::move(work)});
         }
-    for (int run = 0; run < kRuns; ++run)
-        for (Variant& variant : variants)
-            variant.seconds.push_back(seconds_of(variant.scene));
+    return variants;
+}
+
+double processor_seconds() {
+    return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+void measure(const Tool& tool, const char* name, const Scene& needed, int runs) {
+    std::vector<Variant> variants = variants_of(tool, needed);
+    for (int run = -1; run < runs; ++run) // the first is for the caches
+        for (Variant& variant : variants) {
+            const double start = processor_seconds();
+            variant.rays = variant.work();
+            if (run >= 0) variant.seconds.push_back(processor_seconds() - start);
+        }
     for (Variant& variant : variants)
         std::sort(variant.seconds.begin(), variant.seconds.end());
-    const double general = variants.back().seconds[kRuns / 2];
-    fmt::print("{}\n", name);
+    const Variant& general = variants.back();
+    const size_t middle = size_t(runs) / 2;
+    fmt::print("{}: {}\n", tool.name, name);
     for (const Variant& variant : variants)
-        fmt::print("  {:<40} {:6.3f} s   {:5.2f}\n", variant.kernel, variant.seconds[kRuns / 2],
-                   variant.seconds[kRuns / 2] / general);
+        fmt::print("  {:<40} {:6.3f} s  {:6.3f} to {:6.3f}  ratio {:5.3f}  rays {:+d}\n",
+                   variant.kernel, variant.seconds[middle], variant.seconds.front(),
+                   variant.seconds.back(), variant.seconds[middle] / general.seconds[middle],
+                   int64_t(variant.rays) - int64_t(general.rays));
+    std::fflush(stdout);
+}
+
+// A Cornell box with a block of that material, an area light, and a point light for the maps.
+Scene box_with(const Material& block) {
+    SceneBuilder b;
+    b.scene = cornell(block, emitter(V3f(12)));
+    b.place_light(point_light(V3d(0.2)), translated({0.1, 0.2, 0.3}));
+    return b.scene;
 }
 
 } // namespace
 
-int main() {
-    measure("Cornell box, diffuse", cornell(lambert(V3f(0.7f)), emitter(V3f(12))));
-    measure("Cornell box, block of rough metal", cornell(metal(0.4f), emitter(V3f(12))));
-    measure("Cornell box, block of glass", cornell(glass(1.5f), emitter(V3f(12))));
+int main(int argc, char** argv) {
+    const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 9;
+    for (const Tool& tool : kTools) {
+        measure(tool, "diffuse", box_with(lambert(V3f(0.7f))), runs);
+        measure(tool, "block of rough metal", box_with(metal(0.4f)), runs);
+        measure(tool, "block of glass", box_with(glass(1.5f)), runs);
+    }
 }

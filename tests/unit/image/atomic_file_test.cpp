@@ -43,6 +43,14 @@ TEST(AtomicFile, ReadsBackWhatWasWritten) {
     EXPECT_EQ(folder.file_count(), 1u);
 }
 
+TEST(AtomicFile, ReadingTakesNoMoreMemoryThanTheFile) {
+    const ScratchFolder folder;
+    for (const size_t size : {size_t(3), (size_t(1) << 20) + 1}) {
+        write_file(folder / "a", std::string(size, 'x'));
+        EXPECT_LE(read_file(folder / "a").capacity(), size + 1);
+    }
+}
+
 TEST(AtomicFile, HasThePermissionsOfAnOrdinaryNewFile) {
     const ScratchFolder folder;
     const mode_t before = umask(027);
