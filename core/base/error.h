@@ -4,6 +4,8 @@
 // sample. The message is one line: what, where, what was expected.
 #pragma once
 
+#include "base/one_line.h"
+
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -16,7 +18,8 @@ enum class ErrorKind { usage = 2, input = 3, output = 4, internal = 5 };
 
 class Error : public std::runtime_error {
   public:
-    Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), m_kind(kind) {}
+    Error(ErrorKind kind, const std::string& message)
+        : std::runtime_error(one_line(message)), m_kind(kind) {}
     ErrorKind kind() const { return m_kind; }
 
   private:

@@ -31,7 +31,8 @@ Imath::V2i header_pair(const Image& image, const std::string& key, const std::st
     Imath::V2i pair(0, 0);
     const char* at = parse_number(text.data(), end, pair.x);
     if (at && at != end && *at == ',') at = parse_number(at + 1, end, pair.y);
-    if (at != end) throw input_error("{}: {} is '{}', expected dx,dy", path, key, text);
+    if (at != end)
+        throw input_error("{}: {} is '{}', expected dx,dy", path, key, text.substr(0, 40));
     return pair;
 }
 
@@ -40,7 +41,7 @@ Number header_number(const Image& image, const std::string& key, const std::stri
     const std::string text = header_text(image, key, path);
     Number number = 0;
     if (parse_number(text.data(), text.data() + text.size(), number) != text.data() + text.size())
-        throw input_error("{}: {} is '{}', expected a number", path, key, text);
+        throw input_error("{}: {} is '{}', expected a number", path, key, text.substr(0, 40));
     return number;
 }
 

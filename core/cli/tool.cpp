@@ -1,5 +1,6 @@
 #include "cli/tool.h"
 
+#include "base/one_line.h"
 #include "cli/signals.h"
 #include "cli/terminal_progress.h"
 #include "image/atomic_file.h"
@@ -58,14 +59,6 @@ int requested_threads(int flag) {
     return threads > 0 && threads <= kMaxThreads ? threads : 0;
 }
 
-std::string one_line(std::string text) {
-    while (!text.empty() && text.back() == '\n')
-        text.pop_back();
-    for (char& c : text)
-        if (c == '\n') c = ' ';
-    return text;
-}
-
 // A standard stream that the caller closed must not become the descriptor of the next file that is
 // opened. What is put there fails when it is used, as a closed one would.
 void occupy_standard_streams() {
@@ -118,7 +111,7 @@ Session::Session(std::string tool, int threads, std::unique_ptr<Progress> progre
 
 void Session::say(const std::string& kind, const std::string& message) {
     m_progress->finish();
-    fmt::print(stderr, "{}: {}{}\n", m_tool, kind, message);
+    fmt::print(stderr, "{}: {}{}\n", m_tool, kind, one_line(message));
 }
 
 void Session::warn(const std::string& message) {
@@ -212,6 +205,7 @@ Tool::Tool(ToolInfo info) : app(info.description, info.name), m_info(std::move(i
     app.set_config("--config", "", "Read options from a TOML or INI file")
         ->type_name("FILE")
         ->group("Common");
+    app.allow_config_extras(CLI::config_extras_mode::error);
     app.add_flag_callback(
            "--version", [] {}, "Print name, version and commit and exit")
         ->group("Common");

@@ -21,3 +21,9 @@ done
 bn-render dark.gltf --size 8x8 --allow-dark -o dark.exr
 bn-render dark.gltf --size 8x8 --sky 1,1,1 -o sky.exr
 ls ./*.exr
+
+# What a file brings into a message stays on its line, and no terminal obeys it.
+sed 's/"extensionsUsed": \[/&"one\\nline\\u001b[2J", /' "$scene" >lines.gltf
+bn-render lines.gltf --size 8x8 -o lines.exr 2>err.txt
+grep -q '^bn-render: warning: lines.gltf: ignores the extension one line \[2J$' err.txt || cat err.txt
+[ "$(wc -l <err.txt)" = 1 ] || echo "expected one line of warning"

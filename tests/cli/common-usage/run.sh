@@ -24,6 +24,11 @@ for tool in $(all_tools); do
     one_line "$tool" "progress"
     expect "$tool" "missing config" 3 "$tool" "${RUN[@]}" --config missing.toml
     one_line "$tool" "missing config"
+    printf 'no-such-option = 1\n' >options.toml
+    expect "$tool" "unknown option in a file" 2 "$tool" "${RUN[@]}" --config options.toml
+    one_line "$tool" "unknown option in a file"
+    grep -q no-such-option err.txt || echo "$tool: does not name the unknown option in a file"
+    no_files "$tool" "unknown option in a file" result
 
     # A run that succeeds says nothing on standard error, and writes the stats it is asked for
     expect "$tool" run 0 "$tool" "${RUN[@]}" --stats stats.json

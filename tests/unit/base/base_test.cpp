@@ -52,6 +52,11 @@ TEST(Error, KindsAreTheDocumentedExitStatuses) {
     EXPECT_STREQ(input_error("{}: {}", "file", 1).what(), "file: 1");
 }
 
+TEST(Error, MessagesAreOneLineThatNoTerminalObeys) {
+    EXPECT_STREQ(input_error("'{}'", "a\nb\t\x1b[2J\x7f\u00fc\n").what(), "'a b  [2J \u00fc '");
+    EXPECT_STREQ(usage_error("{}", "a\n\n").what(), "a");
+}
+
 TEST(Workers, RunEveryItemOnceForAnyThreadCount) {
     for (int threads : {0, 1, 2, 5}) {
         const Workers workers(threads);
