@@ -70,6 +70,8 @@ PhotonContext photon_context(const Stage& stage, const LightEmission& emission,
                           config.branches,
                           config.seed,
                           1 / stage.space.scale,
+                          {},
+                          nullptr,
                           {}};
     for (const Material& material : stage.scene.materials)
         context.takes_light.push_back(takes_light(material));
