@@ -1,10 +1,8 @@
 // A vector for data of many megabytes: in huge pages where the system has them, and not set to
 // zero.
 //
-// With pages of 4 KiB, filling and randomly reading gigabytes is mostly waiting for the page
-// tables: tracing photons on the Cornell box takes a fifth less time, reading a cache of 10^7
-// shafts a quarter (Linux 6, pages by madvise). resize() leaves new elements of trivial types
-// unset.
+// With pages of 4 KiB, filling gigabytes and reading them at random costs many faults and misses of
+// the page tables. resize() leaves new elements of trivial types unset.
 #pragma once
 
 #include <cstddef>
