@@ -144,9 +144,18 @@ class Fixtures {
     std::map<std::string, File> m_files;
 };
 
-bool has_option(const std::vector<std::string>& arguments, std::string_view text,
+// Whether a text names the option `name` ("--size") and not only a longer one ("rsm-size").
+bool names_option(std::string_view text, std::string_view name) {
+    name.remove_prefix(2);
+    for (size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1))
+        if (at == 0 || std::string_view("-_").find(text[at - 1]) == std::string_view::npos)
+            return true;
+    return false;
+}
+
+bool has_option(const std::vector<std::string>& arguments, std::string_view options_file,
                 const std::string& name) {
-    return text.find(name.substr(2)) != text.npos ||
+    return names_option(options_file, name) ||
            std::any_of(arguments.begin(), arguments.end(),
                        [&](const std::string& word) { return word.starts_with(name); });
 }
