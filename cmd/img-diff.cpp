@@ -157,7 +157,7 @@ void compare_all(const Options& options, cli::Session& session) {
         for (const auto& [name, label] : labels(one))
             if (options.json) objects.back()[name] = label;
     }
-    if (!options.frames.empty() && options.json) session.print(objects.dump(2) + "\n");
+    if (!options.frames.empty() && options.json) session.print(cli::json_text(objects));
     session.stats().result =
         options.frames.empty() ? objects.front() : cli::Json{{"frames", std::move(objects)}};
     if (tiles)

@@ -163,7 +163,7 @@ std::string profile_text(const Spectrum& spectrum, const Options& options) {
                                      {"anisotropy_db", bin.anisotropy}}));
             rows.push_back(row);
         }
-        return rows.dump(2) + "\n";
+        return cli::json_text(rows);
     }
     std::string text = "frequency,samples,power,anisotropy_db\n";
     for (const RadialBin& bin : bins)

@@ -52,7 +52,7 @@ std::string formatted(const Figures& figures, FigureForm form,
         for (const auto& [name, label] : labels)
             json[name] = label;
         json.update(as_json(figures));
-        return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+        return json_text(json);
     }
     std::string row;
     const auto append = [&](const std::string& name, const std::string& value) {

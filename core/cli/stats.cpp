@@ -16,6 +16,10 @@ uint64_t peak_memory_bytes() {
 
 } // namespace
 
+std::string json_text(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 Json Stats::document(const std::string& tool) const {
     Json document;
     document["schema"] = 1;

@@ -12,6 +12,9 @@ namespace ql::cli {
 
 using Json = nlohmann::ordered_json;
 
+// Indented, with an end of line. Names of files need not be UTF-8: what is not becomes U+FFFD.
+std::string json_text(const Json& json);
+
 struct Stats {
     Json config = Json::object();
     Json input = Json::array();

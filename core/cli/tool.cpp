@@ -73,6 +73,13 @@ Json json_value(const std::string& text) {
     return parsed.is_number() || parsed.is_boolean() ? parsed : Json(text);
 }
 
+// CLI11 takes an empty text for the number 0, and lets it pass where it asks for one of several.
+void refuse_empty_values(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& value : option->results())
+            if (value.empty()) throw usage_error("{}: the value is empty", option->get_name());
+}
+
 } // namespace
 
 Size parse_size(const std::string& text) {
@@ -298,6 +305,7 @@ int Tool::parse(int argc, char** argv) {
     m_verbosity = 0;
     try {
         app.parse(argc, argv);
+        refuse_empty_values(app);
         return 0;
     } catch (const CLI::CallForHelp&) {
         // Not by fmt::print, whose exception would say that this is a bug.
@@ -329,7 +337,7 @@ int Tool::run(const std::function<void(Session&)>& body) {
     }
     session.progress().finish();
     if (!m_stats_path.empty())
-        write_file(m_stats_path, session.stats().document(m_info.name).dump(2) + "\n");
+        write_file(m_stats_path, json_text(session.stats().document(m_info.name)));
     return session.check_failed() ? kExitCheckFailed : 0;
 }
 

@@ -1,7 +1,7 @@
 // What a hit says about the surface: position, normals, texture coordinates, ray offset.
 //
 // Positions come from the corners of the triangle, not from the ray's length: their error does not
-// grow with the distance that the ray has come. A kernel asks only for the attributes it needs.
+// grow with the distance that the ray has come.
 #pragma once
 
 #include "geometry/world.h"
@@ -10,11 +10,6 @@
 #include <cmath>
 
 namespace ql {
-
-enum SurfaceAttribute : uint32_t {
-    kAttributeNormals = 1 << 0,  // interpolated shading normals
-    kAttributeTextures = 1 << 1, // texture coordinates, tangents and vertex colours
-};
 
 struct SurfacePoint {
     V3f position = {0, 0, 0}; // render space
@@ -122,8 +117,9 @@ inline void add_texture_coordinates(const Surface& surface, const Mesh& mesh,
 // The same at the rims of a cone.
 void move_off_rim(const Surface& surface, SurfacePoint& point);
 
-template<uint32_t Attributes>
-void fill_triangle(const World& world, const Surface& surface, Hit hit, SurfacePoint& point) {
+// Moves the hit off the edges.
+inline void fill_triangle(const World& world, const Surface& surface, Hit& hit,
+                          SurfacePoint& point) {
     const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
     const auto& triangle = mesh.triangles[hit.primitive];
     const std::vector<V3f>& positions = surface.body->positions;
@@ -151,23 +147,16 @@ void fill_triangle(const World& world, const Surface& surface, Hit hit, SurfaceP
         point.ng = transformed(surface.render_from_normal, hit.ng).normalized();
     }
     point.ns = point.ng;
-    if constexpr (Attributes & kAttributeNormals)
-        add_shading_normal(surface, mesh, triangle, hit, point);
-    if constexpr (Attributes & kAttributeTextures)
-        add_texture_coordinates(surface, mesh, triangle, hit, point);
 }
 
-} // namespace detail
-
-template<uint32_t Attributes>
-SurfacePoint surface_point(const World& world, const Ray& ray, const Hit& hit) {
+inline SurfacePoint point_of(const World& world, const Ray& ray, Hit& hit) {
     SurfacePoint point;
     const Surface& surface = world.surfaces[hit.surface];
     point.surface = hit.surface;
     point.primitive = hit.primitive;
     point.material = surface.material;
     if (surface.kind == Surface::Kind::triangles) [[likely]] {
-        detail::fill_triangle<Attributes>(world, surface, hit, point);
+        fill_triangle(world, surface, hit, point);
         return point;
     }
     point.position = ray.origin + ray.direction * hit.t;
@@ -175,8 +164,28 @@ SurfacePoint surface_point(const World& world, const Ray& ray, const Hit& hit) {
     point.ns = point.ng;
     // The position follows the ray: its error also grows with the way the ray has come.
     point.offset = surface.offset + 2 * kOffsetFactor * hit.t * ray.direction.length();
-    if (surface.kind == Surface::Kind::cone) detail::move_off_rim(surface, point);
-    if constexpr (Attributes & kAttributeTextures) point.uv[0] = point.uv[1] = V2f(hit.u, hit.v);
+    if (surface.kind == Surface::Kind::cone) move_off_rim(surface, point);
+    return point;
+}
+
+} // namespace detail
+
+// Position, geometric normal and offset alone; the rest of a SurfacePoint is as by default.
+inline SurfacePoint geometric_point(const World& world, const Ray& ray, Hit hit) {
+    return detail::point_of(world, ray, hit);
+}
+
+inline SurfacePoint surface_point(const World& world, const Ray& ray, Hit hit) {
+    SurfacePoint point = detail::point_of(world, ray, hit);
+    const Surface& surface = world.surfaces[hit.surface];
+    if (surface.kind != Surface::Kind::triangles) {
+        point.uv[0] = point.uv[1] = V2f(hit.u, hit.v);
+        return point;
+    }
+    const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
+    const auto& triangle = mesh.triangles[hit.primitive];
+    detail::add_shading_normal(surface, mesh, triangle, hit, point);
+    detail::add_texture_coordinates(surface, mesh, triangle, hit, point);
     return point;
 }
 

@@ -22,7 +22,7 @@ V3f Blur::shift(const V3f& position, const V3f& normal, float offset, const V2f&
     Hit hit;
     if (!m_rays->intersect(down, alpha_key, hit)) return V3f(0);
     const World& world = m_rays->world();
-    const SurfacePoint there = surface_point<0>(world, down, hit);
+    const SurfacePoint there = geometric_point(world, down, hit);
     constexpr float kSameWay = 0.98f; // cosine
     const float cosine = there.ng.dot(normal);
     const bool is_alike = std::abs(cosine) > kSameWay &&
@@ -37,7 +37,7 @@ bool Blur::is_lit_from(const V3f& position, const V3f& normal, float offset, con
     Hit hit;
     if (!m_rays->intersect(ray, alpha_key, hit)) return true;
     if (!(double(hit.t) > distance)) return false;
-    const SurfacePoint from = surface_point<0>(m_rays->world(), ray, hit);
+    const SurfacePoint from = geometric_point(m_rays->world(), ray, hit);
     return !m_sides || m_sides->is_open(from.surface, from.ng.dot(w) < 0);
 }
 

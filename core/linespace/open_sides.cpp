@@ -34,7 +34,7 @@ void walk(const EmbreeScene& rays, const LightEmission& emission, uint64_t numbe
     for (uint32_t step = 0; step < kSteps; ++step) {
         Hit hit;
         if (!rays.intersect(ray, pick[2] + step, hit)) return;
-        const SurfacePoint point = surface_point<0>(rays.world(), ray, hit);
+        const SurfacePoint point = geometric_point(rays.world(), ray, hit);
         const bool front = is_front(point, ray.direction);
         ++meetings[2 * size_t(point.surface) + (front ? 0 : 1)];
         const V3f normal = front ? point.ng : -point.ng;
@@ -77,7 +77,7 @@ bool OpenSides::leads_out(const V3d& point, const V3d& direction) const {
     Hit hit;
     // Where alpha decides, the surface is taken for solid or not by the same key every time.
     if (!m_rays.intersect(ray, 0x9e3779b9, hit)) return true;
-    const SurfacePoint at = surface_point<0>(m_rays.world(), ray, hit);
+    const SurfacePoint at = geometric_point(m_rays.world(), ray, hit);
     return is_open(at.surface, is_front(at, ray.direction));
 }
 

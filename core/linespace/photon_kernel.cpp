@@ -4,24 +4,9 @@
 
 namespace ql {
 
-namespace {
-
-template<uint32_t Lobes>
-PhotonTracer tracer(uint32_t attributes) {
-    if (attributes & kAttributeTextures)
-        return detail::trace_photons<Lobes, kAttributeNormals | kAttributeTextures>;
-    if (attributes & kAttributeNormals) return detail::trace_photons<Lobes, kAttributeNormals>;
-    return detail::trace_photons<Lobes, 0>;
-}
-
-} // namespace
-
 PhotonTracer photon_tracer_for(const Scene& scene) {
-    const KernelChoice choice = choose_kernel(scene);
-    if (choice.lobes == kLobeDiffuse) return tracer<kLobeDiffuse>(choice.attributes);
-    if (choice.lobes == (kLobeDiffuse | kLobeMicrofacet))
-        return tracer<kLobeDiffuse | kLobeMicrofacet>(choice.attributes);
-    return tracer<kAllLobes>(choice.attributes);
+    return choose_kernel(scene).lobes == kLobeDiffuse ? detail::trace_photons<kLobeDiffuse>
+                                                      : detail::trace_photons<kAllLobes>;
 }
 
 void PhotonCounts::add(const PhotonCounts& other) {

@@ -79,7 +79,7 @@ inline float adjoint_factor(const PathVertex& vertex, const V3f& b) {
     return below > 0 ? std::min(above / below, kMaxAdjointFactor) : 0;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
+template<uint32_t Lobes>
 class PhotonKernel {
   public:
     PhotonKernel(const PhotonContext& context, std::vector<Deposit>& deposits, PhotonCounts& counts)
@@ -125,15 +125,15 @@ class PhotonKernel {
     PhotonCounts& m_counts;
 };
 
-template<uint32_t Lobes, uint32_t Attributes>
-V3f PhotonKernel<Lobes, Attributes>::first_weight(const EmittedPhoton& emitted) const {
+template<uint32_t Lobes>
+V3f PhotonKernel<Lobes>::first_weight(const EmittedPhoton& emitted) const {
     return m_context.estimator == Estimator::energy ? emitted.flux : emitted.intensity;
 }
 
 // Nilles 2017: cosine and distance at every hit by the text, at the first one by listing 10.
-template<uint32_t Lobes, uint32_t Attributes>
-V3f PhotonKernel<Lobes, Attributes>::weakened(const V3f& weight, const PathVertex& vertex,
-                                              double distance, int scatterings) const {
+template<uint32_t Lobes>
+V3f PhotonKernel<Lobes>::weakened(const V3f& weight, const PathVertex& vertex, double distance,
+                                  int scatterings) const {
     if (m_context.estimator == Estimator::energy ||
         (m_context.estimator == Estimator::count_listing && scatterings > 0))
         return weight;
@@ -142,10 +142,9 @@ V3f PhotonKernel<Lobes, Attributes>::weakened(const V3f& weight, const PathVerte
                           std::max(metres * metres, 1.0));
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double distance,
-                                              const Flight& flight,
-                                              const CounterRandom& random) const {
+template<uint32_t Lobes>
+void PhotonKernel<Lobes>::deposit(const PathVertex& vertex, double distance, const Flight& flight,
+                                  const CounterRandom& random) const {
     const V3f& weight = flight.weight;
     const int64_t order_weight = std::llrint(
         (double(weight.x) + double(weight.y) + double(weight.z)) / 3 * (1 << kOrderBits));
@@ -178,18 +177,17 @@ void PhotonKernel<Lobes, Attributes>::deposit(const PathVertex& vertex, double d
     m_counts.weight_by_order[size_t(flight.scatterings) - 1] += order_weight;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-std::optional<Ray>
-PhotonKernel<Lobes, Attributes>::scattered(const SurfacePoint& point, const PathVertex& vertex,
-                                           Flight& flight, const RandomFloats& u) const {
+template<uint32_t Lobes>
+std::optional<Ray> PhotonKernel<Lobes>::scattered(const SurfacePoint& point,
+                                                  const PathVertex& vertex, Flight& flight,
+                                                  const RandomFloats& u) const {
     const auto next = sample_bsdf<Lobes, TransportMode::importance>(vertex.bsdf, vertex.wo_local,
                                                                     u[0], {u[1], u[2]});
     if (!next) return std::nullopt;
     const V3f wi = vertex.frame.world_from_local(next->wi);
     if ((wi.dot(vertex.ng) > 0) == next->transmitted) return std::nullopt;
     V3f weight = times(flight.weight, next->weight);
-    if constexpr (Attributes != 0)
-        if (!next->specular) weight *= adjoint_factor(vertex, wi);
+    if (!next->specular && vertex.frame.n != vertex.ng) weight *= adjoint_factor(vertex, wi);
     if (m_context.estimator == Estimator::energy) {
         const float survival =
             std::min(1.0f, largest_component(weight) / largest_component(flight.weight));
@@ -205,10 +203,9 @@ PhotonKernel<Lobes, Attributes>::scattered(const SurfacePoint& point, const Path
 }
 
 // Directions of the branches are a rotated lattice: Korobov points of the golden ratio.
-template<uint32_t Lobes, uint32_t Attributes>
-void PhotonKernel<Lobes, Attributes>::split(const SurfacePoint& point, const PathVertex& vertex,
-                                            const Flight& flight,
-                                            const CounterRandom& random) const {
+template<uint32_t Lobes>
+void PhotonKernel<Lobes>::split(const SurfacePoint& point, const PathVertex& vertex,
+                                const Flight& flight, const CounterRandom& random) const {
     const auto branches = uint32_t(m_context.branches);
     const RandomFloats shift = random.block(2 + uint32_t(flight.scatterings));
     for (uint32_t b = 0; b < branches; ++b) {
@@ -224,9 +221,8 @@ void PhotonKernel<Lobes, Attributes>::split(const SurfacePoint& point, const Pat
     }
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-void PhotonKernel<Lobes, Attributes>::follow(Flight flight, Ray ray,
-                                             const CounterRandom& random) const {
+template<uint32_t Lobes>
+void PhotonKernel<Lobes>::follow(Flight flight, Ray ray, const CounterRandom& random) const {
     for (;;) {
         // Find the next surface.
         ++m_counts.rays;
@@ -234,10 +230,10 @@ void PhotonKernel<Lobes, Attributes>::follow(Flight flight, Ray ray,
         const uint32_t alpha_key = flight.alpha_key + uint32_t(flight.scatterings) * 0x9e3779b9u;
         if (!m_context.rays.intersect(ray, alpha_key, hit)) return;
         ++m_counts.vertices;
-        const SurfacePoint point = surface_point<Attributes>(m_world, ray, hit);
+        const SurfacePoint point = surface_point(m_world, ray, hit);
         const Material& material = m_world.scene->materials[size_t(point.material)];
         const bool takes_light = m_context.takes_light[size_t(point.material)];
-        const PathVertex vertex = path_vertex<Attributes>(m_world, point, material, -ray.direction);
+        const PathVertex vertex = path_vertex(*m_world.scene, point, material, -ray.direction);
 
         // Store light that has been scattered at least once.
         flight.weight = weakened(flight.weight, vertex, double(hit.t), flight.scatterings);
@@ -262,8 +258,8 @@ void PhotonKernel<Lobes, Attributes>::follow(Flight flight, Ray ray,
     }
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
+template<uint32_t Lobes>
+void PhotonKernel<Lobes>::trace(uint64_t photon) const {
     const CounterRandom random(m_context.seed ^ kPhotonKey, photon);
     const RandomWords pick = random.words(0);
     const RandomFloats u_light = random.block(1);
@@ -274,11 +270,11 @@ void PhotonKernel<Lobes, Attributes>::trace(uint64_t photon) const {
     follow(flight, {emitted.origin, 0, emitted.direction, kInfinity}, random);
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
+template<uint32_t Lobes>
 void trace_photons(const PhotonContext& context, uint64_t begin, uint64_t end,
                    std::vector<Deposit>& deposits, PhotonCounts& counts) {
     counts.weight_by_order.resize(size_t(context.max_scatterings));
-    const PhotonKernel<Lobes, Attributes> kernel(context, deposits, counts);
+    const PhotonKernel<Lobes> kernel(context, deposits, counts);
     for (uint64_t photon = begin; photon < end; ++photon)
         kernel.trace(photon);
 }

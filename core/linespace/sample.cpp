@@ -74,13 +74,13 @@ void write_pixel(ReadJob& frame, int x, int y, const PixelSums& sums) {
 
 using TileSampler = TileCounts (*)(ReadJob& frame, size_t tile);
 
-template<uint32_t Lobes, uint32_t Attributes>
+template<uint32_t Lobes>
 TileCounts sample_tile(ReadJob& frame, size_t tile) {
     const int width = frame.seeds.width(), height = frame.seeds.height();
     const size_t across = size_t((width + kTileSize - 1) / kTileSize);
     const int x0 = int(tile % across) * kTileSize, y0 = int(tile / across) * kTileSize;
     TileCounts tile_counts;
-    const ReadKernel<Lobes, Attributes> kernel(frame.context, tile_counts.counts);
+    const ReadKernel<Lobes> kernel(frame.context, tile_counts.counts);
     for (int y = y0; y < std::min(y0 + kTileSize, height); ++y)
         for (int x = x0; x < std::min(x0 + kTileSize, width); ++x) {
             PixelSums sums;
@@ -100,18 +100,9 @@ TileCounts sample_tile(ReadJob& frame, size_t tile) {
     return tile_counts;
 }
 
-template<uint32_t Lobes>
-TileSampler sampler(uint32_t attributes) {
-    if (attributes != 0) return sample_tile<Lobes, kAttributeNormals | kAttributeTextures>;
-    return sample_tile<Lobes, 0>;
-}
-
 TileSampler sampler_for(const Scene& scene) {
-    const KernelChoice choice = choose_kernel(scene);
-    if (choice.lobes == kLobeDiffuse) return sampler<kLobeDiffuse>(choice.attributes);
-    if (choice.lobes == (kLobeDiffuse | kLobeMicrofacet))
-        return sampler<kLobeDiffuse | kLobeMicrofacet>(choice.attributes);
-    return sampler<kAllLobes>(choice.attributes);
+    return choose_kernel(scene).lobes == kLobeDiffuse ? sample_tile<kLobeDiffuse>
+                                                      : sample_tile<kAllLobes>;
 }
 
 bool any_emission(const Scene& scene) {

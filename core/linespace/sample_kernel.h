@@ -65,7 +65,7 @@ struct ReadCounts {
     uint64_t dark = 0;      // reads of shafts without light
 };
 
-template<uint32_t Lobes, uint32_t Attributes>
+template<uint32_t Lobes>
 class ReadKernel {
   public:
     ReadKernel(const ReadContext& context, ReadCounts& counts)
@@ -82,8 +82,6 @@ class ReadKernel {
     }
 
   private:
-    static constexpr bool kTextured = (Attributes & kAttributeTextures) != 0;
-
     enum class Emission { counts, by_mis, is_known };
 
     struct Path {
@@ -125,9 +123,9 @@ class ReadKernel {
 };
 
 // Next-event estimation: all of the light for the lobes that read, weighted for the others.
-template<uint32_t Lobes, uint32_t Attributes>
-V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Path& path,
-                                                 const PixelRandom& random) const {
+template<uint32_t Lobes>
+V3f ReadKernel<Lobes>::lit_by_lights(const PartedVertex& v, const Path& path,
+                                     const PixelRandom& random) const {
     const RandomWords words = random.words(path.block(1));
     const LightChoice choice = path.scatterings == 0 ? m_first_choice : LightChoice::one;
     const LightSet& lights = m_context.lights;
@@ -140,9 +138,9 @@ V3f ReadKernel<Lobes, Attributes>::lit_by_lights(const PartedVertex& v, const Pa
     return sum;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-V3f ReadKernel<Lobes, Attributes>::lit_by(const PartedVertex& v, const LightSample& light,
-                                          const Path& path) const {
+template<uint32_t Lobes>
+V3f ReadKernel<Lobes>::lit_by(const PartedVertex& v, const LightSample& light,
+                              const Path& path) const {
     const V3f wi = v.at.frame.local_from_world(light.direction);
     if (wi.z * v.at.ng.dot(light.direction) <= 0) return V3f(0);
     V3f scattered = v.reads() ? read_value<Lobes>(v, wi).value : V3f(0);
@@ -164,12 +162,12 @@ V3f ReadKernel<Lobes, Attributes>::lit_by(const PartedVertex& v, const LightSamp
     return detail::times(scattered, light.weight);
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Material& material,
-                                           const Path& path, float distance) const {
+template<uint32_t Lobes>
+V3f ReadKernel<Lobes>::emitted(const SurfacePoint& point, const Material& material,
+                               const Path& path, float distance) const {
     if (path.emission == Emission::is_known) return V3f(0);
-    const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
-                                                surface_input(point, -path.ray.direction));
+    const V3f radiance =
+        emission_at(m_world.scene->textures, material, surface_input(point, -path.ray.direction));
     if (detail::is_black(radiance)) return radiance;
     float weight = 1;
     if (path.emission == Emission::by_mis)
@@ -181,16 +179,16 @@ V3f ReadKernel<Lobes, Attributes>::emitted(const SurfacePoint& point, const Mate
     return radiance * m_context.lights.stored_from_real() * weight;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-bool ReadKernel<Lobes, Attributes>::find_hit(Path& path) const {
+template<uint32_t Lobes>
+bool ReadKernel<Lobes>::find_hit(Path& path) const {
     if (path.hit) return true;
     ++(path.scatterings == 0 ? m_counts.rays.camera : m_counts.rays.indirect);
     path.hit.emplace();
     return m_context.rays.intersect(path.ray, path.key(), *path.hit);
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-bool ReadKernel<Lobes, Attributes>::survives(Path& path, float u) const {
+template<uint32_t Lobes>
+bool ReadKernel<Lobes>::survives(Path& path, float u) const {
     const int depth = m_context.config.roulette_depth;
     if (depth > 0 && path.scatterings >= depth) {
         const V3f& t = path.throughput;
@@ -202,10 +200,10 @@ bool ReadKernel<Lobes, Attributes>::survives(Path& path, float u) const {
 }
 
 // The shaft to read. Blur moves the point; jitter moves the line on the faces of the voxel.
-template<uint32_t Lobes, uint32_t Attributes>
-std::optional<ShaftPlace> ReadKernel<Lobes, Attributes>::look_up(const PartedVertex& v,
-                                                                 const V3f& wi, const Path& path,
-                                                                 const PixelRandom& random) const {
+template<uint32_t Lobes>
+std::optional<ShaftPlace> ReadKernel<Lobes>::look_up(const PartedVertex& v, const V3f& wi,
+                                                     const Path& path,
+                                                     const PixelRandom& random) const {
     const ReadTable& table = m_context.table;
     V3d start = start_of(v.at, wi);
     if (m_context.blur.is_on()) {
@@ -231,9 +229,9 @@ std::optional<ShaftPlace> ReadKernel<Lobes, Attributes>::look_up(const PartedVer
 
 // Adds what the cache knows of direction wi. Returns whether the path goes on along it: then its
 // ray, and its hit where the voxel holds it, are set.
-template<uint32_t Lobes, uint32_t Attributes>
-bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, const V3f& wi,
-                                         const PixelRandom& random, ReadSample& sample) const {
+template<uint32_t Lobes>
+bool ReadKernel<Lobes>::read(const PartedVertex& v, Path& path, const V3f& wi,
+                             const PixelRandom& random, ReadSample& sample) const {
     const ReadTable& table = m_context.table;
     const auto place = look_up(v, wi, path, random);
     path.ray = {offset_origin(v.at.position, v.at.ng, v.at.offset, wi), 0, wi, kInfinity};
@@ -276,9 +274,9 @@ bool ReadKernel<Lobes, Attributes>::read(const PartedVertex& v, Path& path, cons
     return false;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-bool ReadKernel<Lobes, Attributes>::continue_traced(const PartedVertex& v, Path& path,
-                                                    const PixelRandom& random) const {
+template<uint32_t Lobes>
+bool ReadKernel<Lobes>::continue_traced(const PartedVertex& v, Path& path,
+                                        const PixelRandom& random) const {
     const RandomFloats u = random.block(path.block(5));
     const float p = v.p_trace;
     if (!(u[0] < p)) return false;
@@ -302,12 +300,11 @@ bool ReadKernel<Lobes, Attributes>::continue_traced(const PartedVertex& v, Path&
     return true;
 }
 
-template<uint32_t Lobes, uint32_t Attributes>
-void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
-                                           ReadSample& sample) const {
+template<uint32_t Lobes>
+void ReadKernel<Lobes>::follow(Path path, const PixelRandom& random, ReadSample& sample) const {
     const ReadConfig& config = m_context.config;
     while (find_hit(path)) {
-        const SurfacePoint point = surface_point<Attributes>(m_world, path.ray, *path.hit);
+        const SurfacePoint point = surface_point(m_world, path.ray, *path.hit);
         const Material& material = m_world.scene->materials[size_t(point.material)];
 
         // Add emission, then light that comes straight from the lights.
@@ -323,8 +320,8 @@ void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
             !m_context.sides ||
             m_context.sides->is_open(point.surface, point.ng.dot(path.ray.direction) < 0);
         const PartedVertex v =
-            parted<Lobes>(path_vertex<Attributes>(m_world, point, material, -path.ray.direction),
-                          open, config.glossy, u_glossy);
+            parted<Lobes>(path_vertex(*m_world.scene, point, material, -path.ray.direction), open,
+                          config.glossy, u_glossy);
         if (!m_context.lights.empty()) {
             const V3f light = detail::times(path.throughput, lit_by_lights(v, path, random));
             (path.scatterings == 0 ? sample.direct : sample.indirect) += light;
@@ -340,9 +337,9 @@ void ReadKernel<Lobes, Attributes>::follow(Path path, const PixelRandom& random,
 
 // Reads the cache, in several directions where the path reads for the first time, and follows those
 // in which it does not end.
-template<uint32_t Lobes, uint32_t Attributes>
-void ReadKernel<Lobes, Attributes>::read_on(const PartedVertex& v, const Path& path,
-                                            const PixelRandom& random, ReadSample& sample) const {
+template<uint32_t Lobes>
+void ReadKernel<Lobes>::read_on(const PartedVertex& v, const Path& path, const PixelRandom& random,
+                                ReadSample& sample) const {
     const RandomFloats u = random.block(path.block(2));
     const int reads = path.has_read ? 1 : m_context.config.reads;
     const V3f share = path.throughput / float(reads);

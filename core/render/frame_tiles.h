@@ -31,9 +31,8 @@ inline constexpr int kTileSize = 16;
 // Renders tile number `tile` (row by row) of the frame.
 using TileRenderer = TileCounts (*)(const FrameJob& job, size_t tile);
 
-TileRenderer diffuse_tile_renderer(uint32_t attributes);
-TileRenderer microfacet_tile_renderer(uint32_t attributes);
-TileRenderer general_tile_renderer(uint32_t attributes);
+TileRenderer diffuse_tile_renderer();
+TileRenderer general_tile_renderer();
 // Dithered sampling is for comparison, not for speed: one kernel serves every scene.
 TileRenderer dithered_tile_renderer();
 
@@ -76,7 +75,7 @@ struct FromDither {
     }
 };
 
-template<uint32_t Lobes, uint32_t Attributes, class Randoms = FromSeeds>
+template<uint32_t Lobes, class Randoms = FromSeeds>
 TileCounts render_tile(const FrameJob& job, size_t tile) {
     const int width = job.seeds.width(), height = job.seeds.height();
     const size_t tiles_across = size_t((width + kTileSize - 1) / kTileSize);
@@ -85,7 +84,7 @@ TileCounts render_tile(const FrameJob& job, size_t tile) {
     const bool wants_first_hit = (job.config.aovs & kFirstHitAovs) != 0;
     RayCounter counter;
     TileCounts counts;
-    const PathKernel<Lobes, Attributes, RayCounter> kernel(job.context, counter);
+    const PathKernel<Lobes, RayCounter> kernel(job.context, counter);
     for (int y = y0; y < std::min(y0 + kTileSize, height); ++y)
         for (int x = x0; x < std::min(x0 + kTileSize, width); ++x) {
             PixelSums sums;
@@ -107,14 +106,6 @@ TileCounts render_tile(const FrameJob& job, size_t tile) {
         }
     counts.rays = counter.counts;
     return counts;
-}
-
-template<uint32_t Lobes>
-TileRenderer tile_renderer(uint32_t attributes) {
-    if (attributes & kAttributeTextures)
-        return render_tile<Lobes, kAttributeNormals | kAttributeTextures>;
-    if (attributes & kAttributeNormals) return render_tile<Lobes, kAttributeNormals>;
-    return render_tile<Lobes, 0>;
 }
 
 } // namespace detail

@@ -2,8 +2,8 @@
 
 namespace ql {
 
-TileRenderer diffuse_tile_renderer(uint32_t attributes) {
-    return detail::tile_renderer<kLobeDiffuse>(attributes);
+TileRenderer diffuse_tile_renderer() {
+    return detail::render_tile<kLobeDiffuse>;
 }
 
 } // namespace ql

@@ -3,8 +3,7 @@
 namespace ql {
 
 TileRenderer dithered_tile_renderer() {
-    return detail::render_tile<kAllLobes, kAttributeNormals | kAttributeTextures,
-                               detail::FromDither>;
+    return detail::render_tile<kAllLobes, detail::FromDither>;
 }
 
 } // namespace ql

@@ -2,8 +2,8 @@
 
 namespace ql {
 
-TileRenderer general_tile_renderer(uint32_t attributes) {
-    return detail::tile_renderer<kAllLobes>(attributes);
+TileRenderer general_tile_renderer() {
+    return detail::render_tile<kAllLobes>;
 }
 
 } // namespace ql

@@ -1,10 +1,10 @@
-// Unidirectional path tracing with next-event estimation: the inner loop, compiled for what a scene
-// requires.
+// Unidirectional path tracing with next-event estimation: the inner loop, compiled for the lobes
+// that a scene requires.
 //
 // Estimator: Kajiya 1986 in the form of Veach 1997, chapter 9: at every vertex one light is chosen
 // (at the first each, if that is asked for), one direction by the BSDF, both weighted by the power
-// heuristic. Radiance in units of
-// LightSet (real values times 2^-exponent). A path's random numbers are those of its PixelRandom:
+// heuristic. Radiance in units of LightSet (real values times 2^-exponent). A path's random numbers
+// are those of its PixelRandom:
 //   block 0: position in the pixel (x, y), key of alpha decisions
 //   block 1 + 2 d: choice of the light (two words), point on it     at scattering d = 0, 1, ...
 //   block 2 + 2 d: lobe, direction (2), Russian roulette
@@ -15,7 +15,7 @@
 #include "sampling/warp.h"
 #include "shading/bsdf.h"
 #include "shading/lights.h"
-#include "shading/surface_input.h"
+#include "shading/vertex.h"
 
 #include <cmath>
 #include <optional>
@@ -94,18 +94,9 @@ inline float mis_weight(float own, float other) {
     return 1 / (1 + ratio * ratio);
 }
 
-// A shading normal may face away from the viewer; bend it until the viewer is just above.
-inline V3f facing_normal(const V3f& ns, const V3f& wo) {
-    constexpr float kLeastCosine = 1e-3f;
-    const float cosine = ns.dot(wo);
-    if (cosine >= kLeastCosine) [[likely]]
-        return ns;
-    return (ns + wo * (kLeastCosine - cosine)).normalized();
-}
-
 } // namespace detail
 
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
+template<uint32_t Lobes, class Observer>
 class PathKernel {
   public:
     PathKernel(const PathContext& context, Observer& observer)
@@ -118,25 +109,12 @@ class PathKernel {
                      FirstHit* first_hit) const;
 
   private:
-    static constexpr bool kTextured = (Attributes & kAttributeTextures) != 0;
-
-    // A path vertex: where, seen from where, and how it scatters.
-    struct Vertex {
-        V3f position;
-        float offset;
-        V3f ng; // unit geometric normal towards the viewer
-        V3f wo_local;
-        Frame frame;
-        Bsdf bsdf;
-    };
-
     V3f emitted(const SurfacePoint& point, const Material& material, const Ray& ray, float distance,
                 float bsdf_pdf, LightChoice choice) const;
-    Vertex vertex_at(const SurfacePoint& point, const Material& material, const V3f& wo) const;
-    V3f lit_by_lights(const Vertex& vertex, LightChoice choice, const RandomWords& words,
+    V3f lit_by_lights(const PathVertex& vertex, LightChoice choice, const RandomWords& words,
                       uint32_t alpha_key) const;
-    V3f lit_by(const Vertex& vertex, const LightSample& light, uint32_t alpha_key) const;
-    bool is_lit(const Vertex& vertex, const LightSample& light, uint32_t alpha_key) const;
+    V3f lit_by(const PathVertex& vertex, const LightSample& light, uint32_t alpha_key) const;
+    bool is_lit(const PathVertex& vertex, const LightSample& light, uint32_t alpha_key) const;
 
     const PathContext& m_context;
     const World& m_world;
@@ -146,13 +124,12 @@ class PathKernel {
 
 // Radiance that leaves the point towards the ray's origin by emission, weighted against having been
 // found by light sampling. bsdf_pdf is 0 for camera rays and after specular lobes.
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
-V3f PathKernel<Lobes, Attributes, Observer>::emitted(const SurfacePoint& point,
-                                                     const Material& material, const Ray& ray,
-                                                     float distance, float bsdf_pdf,
-                                                     LightChoice choice) const {
-    const V3f radiance = emission_at<kTextured>(m_world.scene->textures, material,
-                                                surface_input(point, -ray.direction));
+template<uint32_t Lobes, class Observer>
+V3f PathKernel<Lobes, Observer>::emitted(const SurfacePoint& point, const Material& material,
+                                         const Ray& ray, float distance, float bsdf_pdf,
+                                         LightChoice choice) const {
+    const V3f radiance =
+        emission_at(m_world.scene->textures, material, surface_input(point, -ray.direction));
     if (detail::is_black(radiance)) return radiance;
     float weight = 1;
     if (bsdf_pdf > 0 && m_context.config.light_sampling != LightSampling::bsdf) {
@@ -167,32 +144,9 @@ V3f PathKernel<Lobes, Attributes, Observer>::emitted(const SurfacePoint& point,
     return radiance * m_context.lights.stored_from_real() * weight;
 }
 
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
-auto PathKernel<Lobes, Attributes, Observer>::vertex_at(const SurfacePoint& point,
-                                                        const Material& material,
-                                                        const V3f& wo) const -> Vertex {
-    const std::span<const Texture> textures = m_world.scene->textures;
-    const SurfaceInput input = surface_input(point, wo);
-    if constexpr (kTextured) prefetch_textures(textures, material, input);
-    V3f ns = shading_normal<kTextured>(textures, material, input, point.ns, point.tangent);
-    V3f ng = point.ng;
-    if (!input.front) {
-        ng = -ng;
-        ns = -ns;
-    }
-    if constexpr (Attributes != 0) ns = detail::facing_normal(ns, wo);
-    const Frame frame = frame_from_normal(ns);
-    return {point.position,
-            point.offset,
-            ng,
-            frame.local_from_world(wo),
-            frame,
-            bsdf_at<kTextured>(textures, material, input)};
-}
-
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
-bool PathKernel<Lobes, Attributes, Observer>::is_lit(const Vertex& vertex, const LightSample& light,
-                                                     uint32_t alpha_key) const {
+template<uint32_t Lobes, class Observer>
+bool PathKernel<Lobes, Observer>::is_lit(const PathVertex& vertex, const LightSample& light,
+                                         uint32_t alpha_key) const {
     Ray ray;
     ray.origin = offset_origin(vertex.position, vertex.ng, vertex.offset, light.direction);
     ray.direction = light.distant ? light.direction : light.target - ray.origin;
@@ -202,10 +156,9 @@ bool PathKernel<Lobes, Attributes, Observer>::is_lit(const Vertex& vertex, const
 }
 
 // Next-event estimation. Only one sample is of an area, so that all may share their numbers.
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
-V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex, LightChoice choice,
-                                                           const RandomWords& words,
-                                                           uint32_t alpha_key) const {
+template<uint32_t Lobes, class Observer>
+V3f PathKernel<Lobes, Observer>::lit_by_lights(const PathVertex& vertex, LightChoice choice,
+                                               const RandomWords& words, uint32_t alpha_key) const {
     const LightSet& lights = m_context.lights;
     V3f sum(0);
     for (size_t i = 0; i < lights.sample_count(choice); ++i) {
@@ -218,9 +171,9 @@ V3f PathKernel<Lobes, Attributes, Observer>::lit_by_lights(const Vertex& vertex,
 }
 
 // By one light, weighted against having been found by the BSDF.
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
-V3f PathKernel<Lobes, Attributes, Observer>::lit_by(const Vertex& vertex, const LightSample& light,
-                                                    uint32_t alpha_key) const {
+template<uint32_t Lobes, class Observer>
+V3f PathKernel<Lobes, Observer>::lit_by(const PathVertex& vertex, const LightSample& light,
+                                        uint32_t alpha_key) const {
     const V3f wi_local = vertex.frame.local_from_world(light.direction);
     // What the shading frame takes for reflection must be reflection at the real surface too.
     if (wi_local.z * vertex.ng.dot(light.direction) <= 0) return V3f(0);
@@ -233,11 +186,10 @@ V3f PathKernel<Lobes, Attributes, Observer>::lit_by(const Vertex& vertex, const 
     return detail::times(scattered.value, light.weight) * weight;
 }
 
-template<uint32_t Lobes, uint32_t Attributes, class Observer>
+template<uint32_t Lobes, class Observer>
 template<class Random>
-PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
-                                                          const Random& random, uint32_t alpha_key,
-                                                          FirstHit* first_hit) const {
+PathSample PathKernel<Lobes, Observer>::trace(const Ray& camera_ray, const Random& random,
+                                              uint32_t alpha_key, FirstHit* first_hit) const {
     const PathConfig& config = m_context.config;
     PathSample sample;
     V3f throughput(1, 1, 1);
@@ -254,7 +206,7 @@ PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
             (depth <= 1 ? sample.direct : sample.indirect) += detail::times(throughput, sky);
             break;
         }
-        const SurfacePoint point = surface_point<Attributes>(m_world, ray, hit);
+        const SurfacePoint point = surface_point(m_world, ray, hit);
         const Material& material = m_world.scene->materials[size_t(point.material)];
 
         // Add what the surface emits.
@@ -264,7 +216,7 @@ PathSample PathKernel<Lobes, Attributes, Observer>::trace(const Ray& camera_ray,
             (depth <= 1 ? sample.direct : sample.indirect) += detail::times(throughput, radiance);
         }
         if (depth == config.max_depth) break;
-        const Vertex vertex = vertex_at(point, material, -ray.direction);
+        const PathVertex vertex = path_vertex(*m_world.scene, point, material, -ray.direction);
         if (depth == 0 && first_hit)
             *first_hit = {true, point.position, vertex.frame.n, albedo_of(vertex.bsdf),
                           point.surface};

@@ -80,40 +80,17 @@ PathContext path_context(const PosedScene& scene, const PathConfig& config) {
 }
 
 TileRenderer tile_renderer_for(const KernelChoice& choice) {
-    if (choice.lobes == kLobeDiffuse) return diffuse_tile_renderer(choice.attributes);
-    if (choice.lobes == (kLobeDiffuse | kLobeMicrofacet))
-        return microfacet_tile_renderer(choice.attributes);
-    return general_tile_renderer(choice.attributes);
+    return choice.lobes == kLobeDiffuse ? diffuse_tile_renderer() : general_tile_renderer();
 }
 
 } // namespace
 
 KernelChoice choose_kernel(const Scene& scene) {
-    KernelChoice choice;
     uint32_t needed = 0;
-    for (const Material& material : scene.materials) {
+    for (const Material& material : scene.materials)
         needed |= lobes_of(material);
-        if (is_textured(material)) choice.attributes |= kAttributeTextures;
-    }
-    for (const Mesh& mesh : scene.meshes) {
-        if (!mesh.normals.empty()) choice.attributes |= kAttributeNormals;
-        if (!mesh.colors.empty()) choice.attributes |= kAttributeTextures;
-    }
-    if ((needed & ~uint32_t(kLobeDiffuse)) == 0) {
-        choice.lobes = kLobeDiffuse;
-        choice.name = "diffuse";
-    } else if ((needed & ~uint32_t(kLobeDiffuse | kLobeMicrofacet)) == 0) {
-        choice.lobes = kLobeDiffuse | kLobeMicrofacet;
-        choice.name = "diffuse and microfacet";
-    } else {
-        choice.lobes = kAllLobes;
-        choice.name = "all lobes";
-    }
-    if (choice.attributes & kAttributeTextures)
-        choice.name += ", textures";
-    else if (choice.attributes & kAttributeNormals)
-        choice.name += ", shading normals";
-    return choice;
+    if ((needed & ~uint32_t(kLobeDiffuse)) == 0) return {kLobeDiffuse, "diffuse"};
+    return {kAllLobes, "all lobes"};
 }
 
 FrameResult render_frame(const PosedScene& scene, const PixelCamera& camera,

@@ -36,9 +36,8 @@ struct FrameResult {
 
 // What the scene makes the kernel be compiled for.
 struct KernelChoice {
-    uint32_t lobes = 0;      // a superset of what the materials need
-    uint32_t attributes = 0; // see SurfaceAttribute
-    std::string name;        // "diffuse", "diffuse+microfacet textures", ...
+    uint32_t lobes = 0; // a superset of what the materials need
+    std::string name;   // "diffuse" or "all lobes"
 };
 KernelChoice choose_kernel(const Scene& scene);
 

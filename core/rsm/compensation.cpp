@@ -4,8 +4,8 @@
 
 namespace ql {
 
-Compensation::Compensation(const EmbreeScene& scene, SurfaceReader reader, const Gatherer& gatherer)
-    : m_scene(scene), m_reader(reader), m_gatherer(gatherer) {}
+Compensation::Compensation(const EmbreeScene& scene, const Gatherer& gatherer)
+    : m_scene(scene), m_gatherer(gatherer) {}
 
 V3f Compensation::returned(const ReflectiveShadowMap& map, const Receiver& receiver, const Ray& ray,
                            const Hit& hit, uint32_t alpha_key, CompensationCounts& counts) const {
@@ -15,7 +15,7 @@ V3f Compensation::returned(const ReflectiveShadowMap& map, const Receiver& recei
     if (!at.is_inside()) return V3f(0);
     const Incidence incidence = incidence_at(map.light, y);
     if (incidence.irradiance == V3f(0, 0, 0)) return V3f(0);
-    const RsmSurface surface = m_reader(m_scene.world(), ray, hit, incidence.to_light);
+    const RsmSurface surface = read_surface(m_scene.world(), ray, hit, incidence.to_light);
     const float cos_geometric = surface.ng.dot(incidence.to_light);
     const float cos_shading = surface.ns().dot(incidence.to_light);
     if (!(cos_geometric > 0) || !(cos_shading > 0) || !(surface.ng.dot(ray.direction) < 0))

@@ -17,7 +17,7 @@ struct CompensationCounts {
 
 class Compensation {
   public:
-    Compensation(const EmbreeScene& scene, SurfaceReader reader, const Gatherer& gatherer);
+    Compensation(const EmbreeScene& scene, const Gatherer& gatherer);
 
     // To be added to the gather's irradiance; from one ray. random: of the pixel and pass.
     V3f irradiance(const Receiver& receiver, const PixelRandom& random,
@@ -29,7 +29,6 @@ class Compensation {
                  const Hit& hit, uint32_t alpha_key, CompensationCounts& counts) const;
 
     const EmbreeScene& m_scene;
-    SurfaceReader m_reader;
     const Gatherer& m_gatherer;
 };
 

@@ -17,7 +17,6 @@ constexpr uint64_t kMapKey = 0x52534d6d61700000;
 
 struct MapJob {
     const PosedScene& scene;
-    SurfaceReader reader;
     const MapConfig& config;
     ReflectiveShadowMap& map;
     uint32_t number; // of the map
@@ -25,7 +24,7 @@ struct MapJob {
 
 void set_texel(const MapJob& job, size_t i, const MapProjection::LightRay& view, const Hit& hit) {
     const V3f to_light = -view.ray.direction;
-    const RsmSurface surface = job.reader(job.scene.world(), view.ray, hit, to_light);
+    const RsmSurface surface = read_surface(job.scene.world(), view.ray, hit, to_light);
     const float cos_shading = surface.ns().dot(to_light);
     const float cos_geometric = surface.ng.dot(to_light);
     Texels& t = job.map.texels;
@@ -101,8 +100,8 @@ float texel_radius2(double texel_measure, bool is_directional, float distance, f
 
 std::vector<ReflectiveShadowMap> trace_maps(const PosedScene& scene,
                                             const std::vector<MapLight>& lights,
-                                            SurfaceReader reader, const MapConfig& config,
-                                            const Workers& workers, Progress& progress) {
+                                            const MapConfig& config, const Workers& workers,
+                                            Progress& progress) {
     QL_CHECK(config.size >= 1 && config.size <= 16384);
     std::vector<ReflectiveShadowMap> maps;
     for (const MapLight& light : lights) {
@@ -115,7 +114,7 @@ std::vector<ReflectiveShadowMap> trace_maps(const PosedScene& scene,
     }
     progress.start("tracing maps", maps.size() * size_t(config.size));
     for (uint32_t number = 0; number < maps.size(); ++number) {
-        const MapJob job{scene, reader, config, maps[number], number};
+        const MapJob job{scene, config, maps[number], number};
         workers.for_each(size_t(config.size), [&](size_t y) {
             trace_row(job, int(y));
             progress.advance();

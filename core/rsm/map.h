@@ -67,8 +67,8 @@ struct ReflectiveShadowMap {
 // A map for each of the lights (six for the perspective map of a point light).
 std::vector<ReflectiveShadowMap> trace_maps(const PosedScene& scene,
                                             const std::vector<MapLight>& lights,
-                                            SurfaceReader reader, const MapConfig& config,
-                                            const Workers& workers, Progress& progress);
+                                            const MapConfig& config, const Workers& workers,
+                                            Progress& progress);
 
 // Squared radius, over pi, of what a texel of this measure covers at a hit: area / pi.
 float texel_radius2(double texel_measure, bool is_directional, float distance, float cos_light);

@@ -18,7 +18,6 @@ struct PassJob {
     const PosedScene& scene;
     const PixelCamera& camera;
     const RsmConfig& config;
-    SurfaceReader reader;
     std::span<const MapLight> lights;
     const Gatherer& gatherer;
     const Compensation& compensation;
@@ -61,7 +60,7 @@ PixelHit first_hit(const PassJob& job, int x, int y, RsmCounts& counts) {
     ++counts.camera;
     pixel.found = job.scene.rays().intersect(ray, pixel.alpha_key, hit);
     if (!pixel.found) return pixel;
-    pixel.surface = job.reader(job.scene.world(), ray, hit, -ray.direction);
+    pixel.surface = read_surface(job.scene.world(), ray, hit, -ray.direction);
     pixel.receiver = {pixel.surface.position, pixel.surface.ng, pixel.surface.ns(),
                       pixel.surface.offset};
     return pixel;
@@ -215,7 +214,6 @@ void RsmCounts::add(const RsmCounts& other) {
 RsmRenderer::RsmRenderer(const PosedScene& scene, const PixelCamera& camera, int width, int height,
                          const RsmConfig& config, const Workers& workers, Progress& progress)
     : m_scene(scene), m_camera(camera), m_config(config), m_workers(workers), m_progress(progress),
-      m_reader(surface_reader(choose_kernel(*scene.world().scene).attributes)),
       m_lights(map_lights(scene)), m_sums(width, height, config.aovs) {
     QL_CHECK(config.interpolate >= 1 && config.interpolate <= 16);
     QL_CHECK(config.rotation != Rotation::blue || !config.mask.empty());
@@ -232,7 +230,7 @@ void RsmRenderer::prepare_pass() {
     if (m_gatherer && m_config.map.point == TexelPoint::centre) return;
     m_gatherer.reset();
     m_config.map.pass = uint32_t(m_passes);
-    m_maps = trace_maps(m_scene, m_lights, m_reader, m_config.map, m_workers, m_progress);
+    m_maps = trace_maps(m_scene, m_lights, m_config.map, m_workers, m_progress);
     for (const ReflectiveShadowMap& map : m_maps)
         m_counts.map += map.texels.count();
     m_gatherer.emplace(m_scene.rays(), m_maps, gather);
@@ -240,12 +238,12 @@ void RsmRenderer::prepare_pass() {
 
 void RsmRenderer::render_pass() {
     QL_CHECK(m_gatherer.has_value());
-    const Compensation compensation(m_scene.rays(), m_reader, *m_gatherer);
-    const PassJob job{
-        m_scene,      m_camera,          m_config,
-        m_reader,     m_lights,          *m_gatherer,
-        compensation, m_samples,         {m_config.rotation, &m_config.mask, frame_seed()},
-        m_sums,       uint32_t(m_passes)};
+    const Compensation compensation(m_scene.rays(), *m_gatherer);
+    const PassJob job{m_scene,     m_camera,
+                      m_config,    m_lights,
+                      *m_gatherer, compensation,
+                      m_samples,   {m_config.rotation, &m_config.mask, frame_seed()},
+                      m_sums,      uint32_t(m_passes)};
     // Tiles are a multiple of the interpolation grid.
     const int step = m_config.interpolate;
     const int side = step * std::max(1, kTilePixels / step);

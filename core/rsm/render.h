@@ -80,7 +80,6 @@ class RsmRenderer {
     RsmConfig m_config;
     const Workers& m_workers;
     Progress& m_progress;
-    SurfaceReader m_reader;
     std::vector<MapLight> m_lights;
     std::vector<ReflectiveShadowMap> m_maps;
     std::optional<Gatherer> m_gatherer;

@@ -1,7 +1,6 @@
 // What the gathers and the maps need to know of a surface that a ray has met.
 //
-// Everything faces the side that the ray came from. Read by functions chosen once for what the
-// scene requires. Thread-safe.
+// Everything faces the side that the ray came from. Thread-safe.
 #pragma once
 
 #include "geometry/embree_scene.h"
@@ -24,10 +23,7 @@ struct RsmSurface {
 };
 
 // wo: unit, from the surface to the viewer.
-using SurfaceReader = RsmSurface (*)(const World& world, const Ray& ray, const Hit& hit,
-                                     const V3f& wo);
-// attributes: see SurfaceAttribute.
-SurfaceReader surface_reader(uint32_t attributes);
+RsmSurface read_surface(const World& world, const Ray& ray, const Hit& hit, const V3f& wo);
 
 // The Lambert share of what the surface reflects. Under a coat the light that the coat reflects
 // towards wo is missing.

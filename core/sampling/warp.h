@@ -60,7 +60,7 @@ struct Frame {
 // For a unit normal. Duff et al., "Building an orthonormal basis, revisited", JCGT 6 (2017).
 // Continuous but across n.z = 0, where no frame of the whole sphere can be.
 inline Frame frame_from_normal(const V3f& n) {
-    const float sign = std::copysign(1.0f, n.z);
+    const float sign = n.z < 0 ? -1.0f : 1.0f; // the same for both zeros
     const float a = -1 / (sign + n.z);
     const float b = n.x * n.y * a;
     return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};

@@ -11,8 +11,8 @@ bool MaterialAlphaTest::is_solid(const World& world, uint32_t surface, uint32_t 
     const Scene& scene = *world.scene;
     const int material = world.surfaces[surface].material;
     // Masks have an alpha of 0 or 1 here.
-    return random < alpha_at<true>(scene.textures, scene.materials[size_t(material)],
-                                   surface_input_at(world, surface, primitive, u, v));
+    return random < alpha_at(scene.textures, scene.materials[size_t(material)],
+                             surface_input_at(world, surface, primitive, u, v));
 }
 
 bool has_alpha(const Scene& scene) {

@@ -222,8 +222,8 @@ V3f LightSet::shape_radiance(const ShapeLight& shape, const V2f& uv) const {
     const Scene& scene = *m_world->scene;
     const Material& material = scene.materials[size_t(m_world->surfaces[shape.surface()].material)];
     const SurfaceInput input = surface_input_at(*m_world, shape.surface(), 0, uv.x, uv.y);
-    return emission_at<true>(scene.textures, material, input) *
-           (alpha_at<true>(scene.textures, material, input) * m_stored_from_real);
+    return emission_at(scene.textures, material, input) *
+           (alpha_at(scene.textures, material, input) * m_stored_from_real);
 }
 
 V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) const {
@@ -234,8 +234,8 @@ V3f LightSet::triangle_radiance(const Triangle& triangle, float b1, float b2) co
     const SurfaceInput input =
         surface_input_at(*m_world, triangle.surface, triangle.primitive, b1, b2);
     // No ray decides here whether the surface is there: its mean counts.
-    return emission_at<true>(scene.textures, material, input) *
-           (alpha_at<true>(scene.textures, material, input) * m_stored_from_real);
+    return emission_at(scene.textures, material, input) *
+           (alpha_at(scene.textures, material, input) * m_stored_from_real);
 }
 
 LightChoice LightSet::choice(bool each) const {

@@ -2,8 +2,7 @@
 // albedo, normal.
 //
 // Source: glTF 2.0, section 3.9 and appendix B; KHR_materials_ior, _transmission, _unlit; Phong
-// model of Nilles 2017, section 3.2. Textured = false leaves all texture code out, for scenes
-// without textures. Pure functions, safe from any thread.
+// model of Nilles 2017, section 3.2. Pure functions, safe from any thread.
 #pragma once
 
 #include "scene/scene.h"
@@ -32,29 +31,24 @@ bool is_textured(const Material& material);
 void prefetch_textures(std::span<const Texture> textures, const Material& material,
                        const SurfaceInput& input);
 
-template<bool Textured>
 Bsdf bsdf_at(std::span<const Texture> textures, const Material& material,
              const SurfaceInput& input);
 
 // Radiance towards the viewer, W/(m^2 sr); none from the back of a single-sided surface.
-template<bool Textured>
 V3f emission_at(std::span<const Texture> textures, const Material& material,
                 const SurfaceInput& input);
 
 // Probability that a ray is stopped here, in [0, 1]: 0 or 1 for masks.
-template<bool Textured>
 float alpha_at(std::span<const Texture> textures, const Material& material,
                const SurfaceInput& input);
 
 // For the albedo channels: what a white surrounding at normal incidence shows, roughly; in [0, 1].
 V3f albedo_of(const Bsdf& bsdf);
-template<bool Textured>
 V3f albedo_at(std::span<const Texture> textures, const Material& material,
               const SurfaceInput& input);
 
 // The shading normal: `normal` (unit) turned by the normal texture, if there is one. tangent: xyz,
 // and the sign of the bitangent; of length 0 where the mesh has none, which leaves the normal.
-template<bool Textured>
 V3f shading_normal(std::span<const Texture> textures, const Material& material,
                    const SurfaceInput& input, const V3f& normal, const V4f& tangent);
 

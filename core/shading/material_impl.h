@@ -1,4 +1,4 @@
-// Bodies of the templates of material.h.
+// Bodies of the inline functions of material.h.
 #pragma once
 
 #include "shading/material.h"
@@ -11,34 +11,30 @@ inline V3f rgb(const V4f& v) {
     return {v.x, v.y, v.z};
 }
 
-template<bool Textured>
-V4f base_color_at(std::span<const Texture> textures, const Material& m, const SurfaceInput& in) {
+inline V4f base_color_at(std::span<const Texture> textures, const Material& m,
+                         const SurfaceInput& in) {
     V4f color = in.color;
     color.x *= m.base_color.x;
     color.y *= m.base_color.y;
     color.z *= m.base_color.z;
     color.w *= m.alpha;
-    if constexpr (Textured)
-        if (m.base_color_texture.used())
-            color = color * texture_or_white(textures, m.base_color_texture, in.uv);
+    if (m.base_color_texture.used())
+        color = color * texture_or_white(textures, m.base_color_texture, in.uv);
     return color;
 }
 
-template<bool Textured>
-void set_metallic_roughness(Bsdf& bsdf, std::span<const Texture> textures, const Material& m,
-                            const SurfaceInput& in, const V3f& base) {
+inline void set_metallic_roughness(Bsdf& bsdf, std::span<const Texture> textures, const Material& m,
+                                   const SurfaceInput& in, const V3f& base) {
     float metallic = m.metallic;
     float roughness = m.roughness;
     float transmission = m.transmission;
-    if constexpr (Textured) {
-        if (m.metallic_roughness_texture.used()) {
-            const V4f texel = texture_or_white(textures, m.metallic_roughness_texture, in.uv);
-            roughness *= texel.y;
-            metallic *= texel.z;
-        }
-        if (m.transmission_texture.used())
-            transmission *= texture_or_white(textures, m.transmission_texture, in.uv).x;
+    if (m.metallic_roughness_texture.used()) {
+        const V4f texel = texture_or_white(textures, m.metallic_roughness_texture, in.uv);
+        roughness *= texel.y;
+        metallic *= texel.z;
     }
+    if (m.transmission_texture.used())
+        transmission *= texture_or_white(textures, m.transmission_texture, in.uv).x;
     bsdf.metallic = metallic;
     bsdf.metal_f0 = base;
     bsdf.alpha = roughness * roughness;
@@ -79,54 +75,46 @@ inline void prefetch_textures(std::span<const Texture> textures, const Material&
     prefetch_texture(textures, material.normal_texture, input.uv);
 }
 
-template<bool Textured>
-Bsdf bsdf_at(std::span<const Texture> textures, const Material& material,
-             const SurfaceInput& input) {
+inline Bsdf bsdf_at(std::span<const Texture> textures, const Material& material,
+                    const SurfaceInput& input) {
     Bsdf bsdf;
     bsdf.entering = input.front;
     bsdf.lobes = 0;
     if (material.model == MaterialModel::unlit) return bsdf;
-    const V3f base = detail::rgb(detail::base_color_at<Textured>(textures, material, input));
+    const V3f base = detail::rgb(detail::base_color_at(textures, material, input));
     if (material.model == MaterialModel::phong)
         detail::set_phong(bsdf, material, base);
     else
-        detail::set_metallic_roughness<Textured>(bsdf, textures, material, input, base);
+        detail::set_metallic_roughness(bsdf, textures, material, input, base);
     return bsdf;
 }
 
-template<bool Textured>
-V3f emission_at(std::span<const Texture> textures, const Material& material,
-                const SurfaceInput& input) {
+inline V3f emission_at(std::span<const Texture> textures, const Material& material,
+                       const SurfaceInput& input) {
     if (!input.front && !material.double_sided) return V3f(0);
     if (material.model == MaterialModel::unlit)
-        return detail::rgb(detail::base_color_at<Textured>(textures, material, input));
+        return detail::rgb(detail::base_color_at(textures, material, input));
     V3f emission = material.emission;
-    if constexpr (Textured)
-        if (material.emission_texture.used() && emission != V3f(0))
-            emission *=
-                detail::rgb(texture_or_white(textures, material.emission_texture, input.uv));
+    if (material.emission_texture.used() && emission != V3f(0))
+        emission *= detail::rgb(texture_or_white(textures, material.emission_texture, input.uv));
     return emission;
 }
 
-template<bool Textured>
-float alpha_at(std::span<const Texture> textures, const Material& material,
-               const SurfaceInput& input) {
+inline float alpha_at(std::span<const Texture> textures, const Material& material,
+                      const SurfaceInput& input) {
     if (material.alpha_mode == AlphaMode::opaque) return 1;
-    const float alpha = detail::base_color_at<Textured>(textures, material, input).w;
+    const float alpha = detail::base_color_at(textures, material, input).w;
     if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
     return std::clamp(alpha, 0.0f, 1.0f);
 }
 
-template<bool Textured>
-V3f albedo_at(std::span<const Texture> textures, const Material& material,
-              const SurfaceInput& input) {
-    return albedo_of(bsdf_at<Textured>(textures, material, input));
+inline V3f albedo_at(std::span<const Texture> textures, const Material& material,
+                     const SurfaceInput& input) {
+    return albedo_of(bsdf_at(textures, material, input));
 }
 
-template<bool Textured>
-V3f shading_normal(std::span<const Texture> textures, const Material& material,
-                   const SurfaceInput& input, const V3f& normal, const V4f& tangent) {
-    if constexpr (!Textured) return normal;
+inline V3f shading_normal(std::span<const Texture> textures, const Material& material,
+                          const SurfaceInput& input, const V3f& normal, const V4f& tangent) {
     if (!material.normal_texture.used()) return normal;
 
     // Make the tangent orthogonal to the normal.

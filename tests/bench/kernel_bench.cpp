@@ -1,15 +1,13 @@
 // What the specialised kernels buy: the same work done by the kernel that a scene requires and by
-// each larger one, which it gets by materials and meshes that nothing uses.
+// the general one, which it gets by materials that nothing uses.
 //     kernel_bench [RUNS]    9 unless given
 // Work of each tool, on one thread: bn-render and ls-sample 256 x 256 pixels at 4 samples and depth
-// 5, ls-inject the tracing of 40,000 photons, rsm-render a map of 256 x 256 texels and 256 x 256
-// pixels of 8 texels each. Kernels take turns; medians of processor time; the ratio to the general
-// kernel (all lobes, textures) is what counts, on a busy machine that of the fastest runs. Rays are
-// counted: they should be the same in all.
+// 5, ls-inject the tracing of 40,000 photons. Kernels take turns; medians of processor time; the
+// ratio to the general kernel (all lobes) is what counts, on a busy machine that of the fastest
+// runs. Rays are counted: they should be the same in all.
 #include "linespace/inject.h"
 #include "linespace/sample.h"
 #include "reference/scene_builder.h"
-#include "rsm/render.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +22,7 @@ namespace {
 using namespace ql;
 using namespace ql::reference;
 
-constexpr int kSide = 256, kSpp = 4, kMapSide = 256, kTexels = 8;
+constexpr int kSide = 256, kSpp = 4;
 constexpr uint64_t kPhotons = 40000;
 
 const Workers kOne(1);
@@ -123,39 +121,13 @@ Work cache_reading(const Stage& stage) {
     };
 }
 
-Work map_gathering(const Stage& stage) {
-    return [&stage] {
-        RsmConfig config;
-        config.map.size = kMapSide;
-        config.gather.samples = kTexels;
-        Progress progress;
-        RsmRenderer renderer(stage.posed, stage.camera, kSide, kSide, config, kOne, progress);
-        renderer.prepare_pass();
-        renderer.render_pass();
-        const RsmCounts& rays = renderer.counts();
-        return rays.camera + rays.direct_shadow + rays.gather_shadow + rays.map;
-    };
-}
-
-// What a tool's kernels are specialised by.
 struct Tool {
     const char* name;
     Work (*work)(const Stage& stage);
-    bool by_lobes, by_normals; // else: with textures and normals, or without both
 };
 
-constexpr Tool kTools[] = {{"bn-render", path_tracing, true, true},
-                           {"ls-inject", photon_tracing, true, true},
-                           {"ls-sample", cache_reading, true, false},
-                           {"rsm-render", map_gathering, false, true}};
-
-// A mesh that no node places, with normals or colours.
-Mesh unused_mesh(uint32_t attribute) {
-    Mesh mesh = cube(1, 0);
-    if (attribute == kAttributeNormals) mesh.normals.assign(mesh.positions.size(), V3f(0, 0, 1));
-    if (attribute == kAttributeTextures) mesh.colors.assign(mesh.positions.size(), V4f(1));
-    return mesh;
-}
+constexpr Tool kTools[] = {
+    {"bn-render", path_tracing}, {"ls-inject", photon_tracing}, {"ls-sample", cache_reading}};
 
 struct Variant {
     std::string kernel;
@@ -167,22 +139,14 @@ struct Variant {
 
 std::vector<Variant> variants_of(const Tool& tool, const Scene& needed) {
     std::vector<Variant> variants;
-    std::vector<uint32_t> attributes = {0, kAttributeTextures};
-    if (tool.by_normals) attributes.insert(attributes.begin() + 1, kAttributeNormals);
-    for (int lobes = 0; lobes < (tool.by_lobes ? 3 : 1); ++lobes)
-        for (const uint32_t attribute : attributes) {
-            Scene scene = needed;
-            if (lobes == 1) scene.materials.push_back(metal(0.5f));
-            if (lobes == 2) scene.materials.push_back(glass(1.5f));
-            if (attribute != 0) scene.meshes.push_back(unused_mesh(attribute));
-            const std::string kernel = choose_kernel(scene).name;
-            const bool known = std::any_of(variants.begin(), variants.end(),
-                                           [&](const Variant& v) { return v.kernel == kernel; });
-            if (known) continue;
-            auto stage = std::make_unique<Stage>(std::move(scene));
-            Work work = tool.work(*stage);
-            variants.push_back({kernel, std::move(stage), std::move(work)});
-        }
+    Scene general = needed;
+    general.materials.push_back(glass(1.5f));
+    for (const Scene& scene : {needed, general}) {
+        const std::string kernel = choose_kernel(scene).name;
+        auto stage = std::make_unique<Stage>(scene);
+        Work work = tool.work(*stage);
+        variants.push_back({kernel, std::move(stage), std::move(work)});
+    }
     return variants;
 }
 
@@ -213,21 +177,11 @@ void measure(const Tool& tool, const char* name, const Scene& needed, int runs) 
     std::fflush(stdout);
 }
 
-// A Cornell box with a block of that material, an area light, and a point light for the maps.
-Scene box_with(const Material& block) {
-    SceneBuilder b;
-    b.scene = cornell(block, emitter(V3f(12)));
-    b.place_light(point_light(V3d(0.2)), translated({0.1, 0.2, 0.3}));
-    return b.scene;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
     const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 9;
-    for (const Tool& tool : kTools) {
-        measure(tool, "diffuse", box_with(lambert(V3f(0.7f))), runs);
-        measure(tool, "block of rough metal", box_with(metal(0.4f)), runs);
-        measure(tool, "block of glass", box_with(glass(1.5f)), runs);
-    }
+    const Scene box = cornell(lambert(V3f(0.7f)), emitter(V3f(12)));
+    for (const Tool& tool : kTools)
+        measure(tool, "diffuse", box, runs);
 }

@@ -51,8 +51,7 @@ double median_seconds(const Work& work) {
 template<uint32_t Lobes>
 void record(const PathContext& context, const PixelCamera& camera, const Array2D<uint32_t>& seeds,
             Recorder& recorder) {
-    const PathKernel<Lobes, kAttributeNormals | kAttributeTextures, Recorder> kernel(context,
-                                                                                     recorder);
+    const PathKernel<Lobes, Recorder> kernel(context, recorder);
     for (int ty = 0; ty < kSide; ty += kTileSize)
         for (int tx = 0; tx < kSide; tx += kTileSize)
             for (int y = ty; y < ty + kTileSize; ++y)

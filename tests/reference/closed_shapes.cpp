@@ -72,7 +72,7 @@ class Tracer {
                 ++counts.leaks;
                 break;
             }
-            const SurfacePoint point = surface_point<0>(m_posed.world(), ray, hit);
+            const SurfacePoint point = geometric_point(m_posed.world(), ray, hit);
             if (from && is_self_hit(*from, point, ray, hit)) {
                 ++counts.self_hits;
                 break;

@@ -93,8 +93,10 @@ TEST(furnace, closed_box_of_emitters_gives_the_geometric_series) {
         config.path.light_sampling = sampling;
         const View inside = {{0.2, 0.1, 0.9}, {0, 0, 0}, 80, 32, 32};
         const FrameResult result = render_scene(b.scene, inside, config);
+        // Points on lights alone have no finite variance where walls meet: 1 / r^2.
+        const double tolerance = sampling == LightSampling::lights ? 0.01 : kTolerance;
         for (const char* channel : {"R", "G", "B"})
-            EXPECT_NEAR(mean_of(result.image, channel), 1, kTolerance)
+            EXPECT_NEAR(mean_of(result.image, channel), 1, tolerance)
                 << channel << " sampling " << int(sampling);
     }
 }

@@ -55,14 +55,14 @@ TEST(leak, sheets_close_together_are_told_apart) {
                 ++wrong;
                 continue;
             }
-            const SurfacePoint point = surface_point<0>(posed.world(), ray, first);
+            const SurfacePoint point = geometric_point(posed.world(), ray, first);
             // Within 80 degrees of the normal, so that no ray leaves at the sides.
             const V3f local = square_to_uniform_cone({v[0], v[1]}, 0.82f);
             const V3f direction = frame_from_normal(point.ng).world_from_local(local);
             ray = {offset_origin(point.position, point.ng, point.offset, direction), 0, direction,
                    kInfinity};
             if (!posed.rays().intersect(ray, 0, second) || second.surface == first.surface ||
-                surface_point<0>(posed.world(), ray, second).ng.dot(direction) >= 0)
+                geometric_point(posed.world(), ray, second).ng.dot(direction) >= 0)
                 ++wrong;
         }
         EXPECT_EQ(wrong, 0) << turn;

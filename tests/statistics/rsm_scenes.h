@@ -140,9 +140,8 @@ class Stage {
 
     std::vector<ReflectiveShadowMap> maps(const MapConfig& config) const {
         Progress progress;
-        return trace_maps(m_posed, map_lights(m_posed), reader(), config, workers(), progress);
+        return trace_maps(m_posed, map_lights(m_posed), config, workers(), progress);
     }
-    SurfaceReader reader() const { return surface_reader(choose_kernel(m_scene).attributes); }
 
     // What the camera sees through the centres of its pixels.
     std::vector<Receiver> receivers() const {
@@ -152,7 +151,7 @@ class Stage {
                 const Ray ray = m_camera.ray(x + 0.5, y + 0.5);
                 Hit hit;
                 if (!m_posed.rays().intersect(ray, 0, hit)) continue;
-                const RsmSurface s = reader()(m_posed.world(), ray, hit, -ray.direction);
+                const RsmSurface s = read_surface(m_posed.world(), ray, hit, -ray.direction);
                 result.push_back({s.position, s.ng, s.ns(), s.offset});
             }
         return result;

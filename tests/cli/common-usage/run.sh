@@ -29,6 +29,12 @@ for tool in $(all_tools); do
     one_line "$tool" "unknown option in a file"
     grep -q no-such-option err.txt || echo "$tool: does not name the unknown option in a file"
     no_files "$tool" "unknown option in a file" result
+    printf 'threads =\n' >options.toml
+    expect "$tool" "empty value in a file" 2 "$tool" "${RUN[@]}" --config options.toml
+    one_line "$tool" "empty value in a file"
+    expect "$tool" "empty value" 2 "$tool" "${RUN[@]}" --stats ""
+    one_line "$tool" "empty value"
+    no_files "$tool" "empty value" result
 
     # A run that succeeds says nothing on standard error, and writes the stats it is asked for
     expect "$tool" run 0 "$tool" "${RUN[@]}" --stats stats.json
@@ -36,6 +42,13 @@ for tool in $(all_tools); do
     [ -z "$EXT" ] || [ -s result.$EXT ] || echo "$tool: run: no result"
     python3 "$SRC/tests/cli/check_stats" "$tool" stats.json
     rm -f result* stats.json
+
+    # Names of files are bytes, not text
+    arguments result-$'\xf4\xff'.$EXT
+    expect "$tool" "name that is no UTF-8" 0 "$tool" "${RUN[@]}" --stats stats.json
+    python3 "$SRC/tests/cli/check_stats" "$tool" stats.json
+    rm -f result* stats.json
+    arguments result.$EXT
 
     # The same options from a file
     expect "$tool" "progress on request" 0 "$tool" "${RUN[@]}" --progress always --quiet

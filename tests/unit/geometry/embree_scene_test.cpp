@@ -62,8 +62,8 @@ void expect_same_hits(const Scene& instances, const Scene& copies) {
         different += found_a != found_b;
         if (!found_a || !found_b) continue;
         ++hits;
-        const SurfacePoint at_a = surface_point<0>(a.world, ray, hit_a);
-        const SurfacePoint at_b = surface_point<0>(b.world, ray, hit_b);
+        const SurfacePoint at_a = geometric_point(a.world, ray, hit_a);
+        const SurfacePoint at_b = geometric_point(b.world, ray, hit_b);
         if (at_a.surface != at_b.surface || (at_a.ng - at_b.ng).length() > 1e-4f) {
             ++different; // at an edge
             continue;
@@ -94,7 +94,7 @@ TEST(embree_scene, fronts_stay_outside_when_a_node_mirrors) {
                 const Ray ray = posed.ray(direction.normalized() * 4, -direction);
                 Hit hit;
                 ASSERT_TRUE(posed.rays.intersect(ray, 0, hit));
-                EXPECT_LT(surface_point<0>(posed.world, ray, hit).ng.dot(ray.direction), 0);
+                EXPECT_LT(geometric_point(posed.world, ray, hit).ng.dot(ray.direction), 0);
             }
         }
 }
@@ -111,7 +111,7 @@ TEST(embree_scene, singular_transforms_leave_a_sheet) {
                 const Ray ray = posed.ray(target + V3d(0.1, 2, 0.2), {-0.1, -2, -0.2});
                 Hit hit;
                 if (!posed.rays.intersect(ray, 0, hit)) continue;
-                const SurfacePoint point = surface_point<0>(posed.world, ray, hit);
+                const SurfacePoint point = geometric_point(posed.world, ray, hit);
                 const V3d at = posed.world.space.to_world(V3d(point.position));
                 EXPECT_LT((at - target).length(), 1e-5);
                 EXPECT_GT(std::abs(point.ng.y), 0.999f);

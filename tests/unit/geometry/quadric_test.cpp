@@ -210,8 +210,8 @@ TEST(quadric, equals_a_fine_mesh_under_any_transform) {
                 EXPECT_EQ(found_a, a.is_occluded(ray, 0));
                 one += found_a != found_b;
                 if (!found_a || !found_b) continue;
-                const SurfacePoint at_a = surface_point<0>(world_a, ray, hit_a);
-                const SurfacePoint at_b = surface_point<0>(world_b, ray, hit_b);
+                const SurfacePoint at_a = geometric_point(world_a, ray, hit_a);
+                const SurfacePoint at_b = geometric_point(world_b, ray, hit_b);
                 const bool grazing =
                     std::abs(at_a.ng.dot(ray.direction)) < 0.1f * ray.direction.length();
                 const bool edge = at_a.ng.dot(at_b.ng) < 0.99f;

@@ -54,7 +54,7 @@ TEST(lights, densities_of_samples_are_those_asked_for_later) {
         Hit hit;
         ASSERT_TRUE(rays.intersect({from, 0, light->direction, kInfinity}, 0, hit));
         const Ray ray{from, 0, light->direction, kInfinity};
-        const SurfacePoint at = surface_point<0>(world, ray, hit);
+        const SurfacePoint at = geometric_point(world, ray, hit);
         EXPECT_NEAR(lights.pdf_solid_angle(at, light->direction, hit.t, LightChoice::one) /
                         light->pdf_solid_angle,
                     1, 1e-3);
@@ -80,7 +80,7 @@ TEST(lights, samples_fill_the_solid_angle_of_the_emitters) {
         Hit hit;
         if (!rays.intersect({from, 0, direction, kInfinity}, 0, hit)) continue;
         const Ray ray{from, 0, direction, kInfinity};
-        const SurfacePoint at = surface_point<0>(world, ray, hit);
+        const SurfacePoint at = geometric_point(world, ray, hit);
         const Material& m = b.scene.materials[size_t(at.material)];
         if (at.ng.dot(direction) < 0 || m.double_sided)
             by_directions += double(m.emission.z) * double(lights.stored_from_real()) * 4 *

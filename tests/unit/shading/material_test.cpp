@@ -61,7 +61,7 @@ TEST(BsdfAt, HasOnlyAnnouncedLobes) {
                     m.transmission = transmission;
                     m.metallic_roughness_texture = use_of(texture, Transfer::linear);
                     m.transmission_texture = use_of(texture, Transfer::linear);
-                    const uint32_t lobes = bsdf_at<true>(textures, m, {}).lobes;
+                    const uint32_t lobes = bsdf_at(textures, m, {}).lobes;
                     EXPECT_EQ(lobes & ~lobes_of(m), 0u);
                     EXPECT_NE(lobes, 0u);
                 }
@@ -81,7 +81,7 @@ TEST(BsdfAt, ReadsTheChannelsThatGltfNames) {
     m.transmission_texture = use_of(2, Transfer::linear);
     SurfaceInput input;
     input.color = {1, 0.5f, 1, 1};
-    const Bsdf b = bsdf_at<true>(textures, m, input);
+    const Bsdf b = bsdf_at(textures, m, input);
     EXPECT_NEAR(b.metallic, 0.2, 1e-6); // 0.5 * 102/255
     EXPECT_NEAR(b.alpha, 0.01, 1e-6);   // (0.5 * 51/255)^2
     EXPECT_NEAR(b.metal_f0.x, 0.5, 1e-6);
@@ -89,8 +89,8 @@ TEST(BsdfAt, ReadsTheChannelsThatGltfNames) {
     EXPECT_NEAR(b.transmission.x, 0.5 * 0.8 * 0.4, 1e-6);
     EXPECT_NEAR(b.diffuse.x, 0.5 * 0.8 * 0.6, 1e-6);
     // Without textures only the factors and the vertex colour count.
-    EXPECT_NEAR(bsdf_at<false>({}, m, input).alpha, 0.25, 1e-6);
-    EXPECT_NEAR(bsdf_at<false>({}, m, input).metal_f0.y, 0.25, 1e-6);
+    EXPECT_NEAR(bsdf_at({}, m, input).alpha, 0.25, 1e-6);
+    EXPECT_NEAR(bsdf_at({}, m, input).metal_f0.y, 0.25, 1e-6);
 }
 
 TEST(BsdfAt, MapsThePhongModel) {
@@ -107,7 +107,7 @@ TEST(BsdfAt, MapsThePhongModel) {
     m.fresnel = FresnelModel::schlick;
     SurfaceInput back;
     back.front = false;
-    const Bsdf b = bsdf_at<false>({}, m, back);
+    const Bsdf b = bsdf_at({}, m, back);
     EXPECT_EQ(b.diffuse, V3f(0.2f, 0.4f, 0));
     EXPECT_EQ(b.phong, V3f(0.3f, 0, 0.3f));
     EXPECT_EQ(b.exponent, 40);
@@ -123,9 +123,9 @@ TEST(BsdfAt, KeepsTheOuterIndexOnTheBackOfOpaqueSurfaces) {
     m.thin_walled = false;
     SurfaceInput back;
     back.front = false;
-    EXPECT_EQ(relative_eta(bsdf_at<false>({}, m, back)), 1.5f);
+    EXPECT_EQ(relative_eta(bsdf_at({}, m, back)), 1.5f);
     m.transmission = 1;
-    EXPECT_NEAR(relative_eta(bsdf_at<false>({}, m, back)), 1 / 1.5, 1e-6);
+    EXPECT_NEAR(relative_eta(bsdf_at({}, m, back)), 1 / 1.5, 1e-6);
 }
 
 TEST(EmissionAt, ComesFromTheFrontUnlessDoubleSided) {
@@ -135,20 +135,20 @@ TEST(EmissionAt, ComesFromTheFrontUnlessDoubleSided) {
     m.emission_texture = use_of(0, Transfer::srgb);
     SurfaceInput back;
     back.front = false;
-    EXPECT_EQ(emission_at<false>({}, m, {}), V3f(2, 3, 4));
-    EXPECT_EQ(emission_at<true>(textures, m, {}), V3f(2, 0, 4 * kSrgbToLinear[188]));
-    EXPECT_EQ(emission_at<false>({}, m, back), V3f(0));
+    EXPECT_EQ(emission_at({}, m, {}), V3f(2, 3, 4));
+    EXPECT_EQ(emission_at(textures, m, {}), V3f(2, 0, 4 * kSrgbToLinear[188]));
+    EXPECT_EQ(emission_at({}, m, back), V3f(0));
     m.double_sided = true;
-    EXPECT_EQ(emission_at<false>({}, m, back), V3f(2, 3, 4));
+    EXPECT_EQ(emission_at({}, m, back), V3f(2, 3, 4));
 }
 
 TEST(EmissionAt, IsTheBaseColourOfUnlitSurfaces) {
     Material m;
     m.model = MaterialModel::unlit;
     m.base_color = {0.1f, 0.2f, 0.3f};
-    EXPECT_EQ(emission_at<false>({}, m, {}), V3f(0.1f, 0.2f, 0.3f));
-    EXPECT_EQ(bsdf_at<false>({}, m, {}).lobes, 0u);
-    EXPECT_EQ(bsdf_at<false>({}, m, {}).diffuse, V3f(0));
+    EXPECT_EQ(emission_at({}, m, {}), V3f(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(bsdf_at({}, m, {}).lobes, 0u);
+    EXPECT_EQ(bsdf_at({}, m, {}).diffuse, V3f(0));
 }
 
 TEST(AlphaAt, FollowsTheAlphaMode) {
@@ -156,27 +156,27 @@ TEST(AlphaAt, FollowsTheAlphaMode) {
     Material m;
     m.alpha = 0.9f;
     m.base_color_texture = use_of(0, Transfer::srgb);
-    EXPECT_EQ(alpha_at<true>(textures, m, {}), 1);
+    EXPECT_EQ(alpha_at(textures, m, {}), 1);
     m.alpha_mode = AlphaMode::blend;
-    EXPECT_NEAR(alpha_at<true>(textures, m, {}), 0.36, 1e-6);
+    EXPECT_NEAR(alpha_at(textures, m, {}), 0.36, 1e-6);
     m.alpha_mode = AlphaMode::mask;
-    EXPECT_EQ(alpha_at<true>(textures, m, {}), 0);
+    EXPECT_EQ(alpha_at(textures, m, {}), 0);
     m.alpha_cutoff = 0.3f;
-    EXPECT_EQ(alpha_at<true>(textures, m, {}), 1);
+    EXPECT_EQ(alpha_at(textures, m, {}), 1);
 }
 
 TEST(AlbedoAt, IsDiffusePlusSpecularColour) {
     Material m = dielectric(1);
     m.base_color = {0.2f, 0.4f, 0.6f};
-    EXPECT_EQ(albedo_at<false>({}, m, {}), V3f(0.2f, 0.4f, 0.6f));
+    EXPECT_EQ(albedo_at({}, m, {}), V3f(0.2f, 0.4f, 0.6f));
     m.metallic = 1;
-    EXPECT_EQ(albedo_at<false>({}, m, {}), V3f(0.2f, 0.4f, 0.6f));
+    EXPECT_EQ(albedo_at({}, m, {}), V3f(0.2f, 0.4f, 0.6f));
     m = dielectric(1.5f);
     m.base_color = V3f(0.5f);
-    EXPECT_NEAR(albedo_at<false>({}, m, {}).x, 0.5 * 0.96 + 0.04, 1e-6);
+    EXPECT_NEAR(albedo_at({}, m, {}).x, 0.5 * 0.96 + 0.04, 1e-6);
     m.transmission = 1;
     m.base_color = V3f(1);
-    EXPECT_NEAR(albedo_at<false>({}, m, {}).x, 1, 1e-6);
+    EXPECT_NEAR(albedo_at({}, m, {}).x, 1, 1e-6);
 }
 
 TEST(ShadingNormal, FollowsTheTextureInTheTangentFrame) {
@@ -186,27 +186,27 @@ TEST(ShadingNormal, FollowsTheTextureInTheTangentFrame) {
     Material m;
     m.normal_texture = use_of(0, Transfer::linear);
     const V3f n(0, 0, 1);
-    const V3f along_x = shading_normal<true>(textures, m, {}, n, {1, 0, 0, 1});
+    const V3f along_x = shading_normal(textures, m, {}, n, {1, 0, 0, 1});
     EXPECT_NEAR(along_x.x, 0.6, 0.01);
     EXPECT_NEAR(along_x.z, 0.8, 0.01);
     EXPECT_NEAR(along_x.length(), 1, 1e-6);
     // The bitangent is the cross product of normal and tangent times the sign.
     m.normal_texture.texture = 1;
-    EXPECT_NEAR(shading_normal<true>(textures, m, {}, n, {1, 0, 0, 1}).y, 0.6, 0.01);
-    EXPECT_NEAR(shading_normal<true>(textures, m, {}, n, {1, 0, 0, -1}).y, -0.6, 0.01);
+    EXPECT_NEAR(shading_normal(textures, m, {}, n, {1, 0, 0, 1}).y, 0.6, 0.01);
+    EXPECT_NEAR(shading_normal(textures, m, {}, n, {1, 0, 0, -1}).y, -0.6, 0.01);
     m.normal_scale = 0;
-    EXPECT_NEAR(shading_normal<true>(textures, m, {}, n, {1, 0, 0, 1}).z, 1, 1e-6);
+    EXPECT_NEAR(shading_normal(textures, m, {}, n, {1, 0, 0, 1}).z, 1, 1e-6);
 }
 
 TEST(ShadingNormal, StaysWhereItCannotBeTurned) {
     const std::vector<Texture> textures = {plain_texture(204, 128, 230, 255)};
     Material m;
     const V3f n(0, 1, 0);
-    EXPECT_EQ(shading_normal<true>(textures, m, {}, n, {1, 0, 0, 1}), n);
+    EXPECT_EQ(shading_normal(textures, m, {}, n, {1, 0, 0, 1}), n);
     m.normal_texture = use_of(0, Transfer::linear);
-    EXPECT_EQ(shading_normal<true>(textures, m, {}, n, {0, 0, 0, 1}), n); // no tangent
-    EXPECT_EQ(shading_normal<true>(textures, m, {}, n, {0, 2, 0, 1}), n); // along the normal
-    EXPECT_EQ(shading_normal<false>({}, m, {}, n, {1, 0, 0, 1}), n);
+    EXPECT_EQ(shading_normal(textures, m, {}, n, {0, 0, 0, 1}), n); // no tangent
+    EXPECT_EQ(shading_normal(textures, m, {}, n, {0, 2, 0, 1}), n); // along the normal
+    EXPECT_EQ(shading_normal({}, m, {}, n, {1, 0, 0, 1}), n);
 }
 
 } // namespace
