@@ -98,7 +98,7 @@ void check_png(std::span<const std::byte> bytes, const std::string& name) {
 std::vector<std::byte> bare_png(std::span<const std::byte> bytes, const std::string& name) {
     constexpr std::string_view kPixelChunks[] = {"IHDR", "PLTE", "tRNS", "IDAT", "IEND"};
     std::vector<std::byte> bare(bytes.begin(),
-                                bytes.begin() + std::min(kSignatureBytes, bytes.size()));
+                                bytes.begin() + ptrdiff_t(std::min(kSignatureBytes, bytes.size())));
     for (const Chunk& chunk : checked_chunks(bytes, name))
         if (std::find(std::begin(kPixelChunks), std::end(kPixelChunks), chunk.kind) !=
             std::end(kPixelChunks))

@@ -2,6 +2,7 @@
 
 #include "geometry/quadric.h"
 #include "linespace/vertex.h"
+#include "sampling/r2.h"
 
 #include <algorithm>
 
@@ -136,9 +137,8 @@ void LineHits::visit_moved(const LineBlock& lines, uint32_t first, uint32_t numb
     const LineHitLists found = hits_of(lines);
     const RandomWords shift = philox4x32({m_voxel, number, 1, 0}, {0x6c696e65, 0});
     for (uint32_t i = 0; i < kLinesPerBlock; ++i) {
-        // The R2 sequence (M. Roberts 2018), as fractions of 2^32.
         const uint32_t n = first + i;
-        const V2f u(unit_float(shift[0] + n * 3242174889u), unit_float(shift[1] + n * 2447445414u));
+        const V2f u(unit_float(shift[0] + n * kR2StepX), unit_float(shift[1] + n * kR2StepY));
         for (const LineHit& hit : found[i]) {
             if (hit.normal_class < 0 || !(hit.alpha > 0)) continue;
             const V3d way = to_render(lines.dx[i], lines.dy[i], lines.dz[i]);

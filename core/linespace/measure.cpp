@@ -24,17 +24,38 @@ double added_hits(double met) {
     return (1 + kStratified * met) / (1 + met);
 }
 
+// Which share of the hits lies on open lines. That takes rays for each: some of them tell.
+struct OpenShare {
+    static constexpr int kAll = 4, kEvery = 4; // the first so many hits, then one in so many
+
+    static bool is_asked(int hit, int all) { return hit < all || hit % kEvery == 0; }
+    void add(double weight, bool is_open) {
+        m_asked += weight;
+        m_open += is_open ? weight : 0;
+    }
+    bool is_known() const { return m_asked > 0; }
+    double value() const { return is_known() ? m_open / m_asked : 1; }
+
+  private:
+    double m_asked = 0, m_open = 0;
+};
+
 // The share of a shaft's lines that meet a surface of that class, first or at all.
 ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, uint32_t number,
                        int normal_class, bool first_only, const MeasureConfig& config) {
     surfaces.choose(source.low(), source.high());
     LineBlock block;
     double hits = 0, weights = 0, met = 0;
+    int hit = 0;
+    OpenShare open;
     // Caustics have no gate: as much surface is moved away as there.
     const bool moved = first_only && surfaces.is_blurred();
     const auto count = [&](size_t line, int found_class, double share) {
-        if (found_class != normal_class || !(moved || surfaces.is_open(block, line))) return;
-        hits += share * double(block.weight[line]);
+        if (found_class != normal_class) return;
+        const double weight = share * double(block.weight[line]);
+        if (!moved && OpenShare::is_asked(hit++, OpenShare::kAll))
+            open.add(weight, surfaces.is_open(block, line));
+        hits += weight;
         met += share;
     };
     int wanted = kLinesPerBlock;
@@ -48,20 +69,21 @@ ShareEstimate share_of(const ShaftLines& source, LineHits& surfaces, uint32_t nu
             weights += double(weight);
         lines += kLinesPerBlock;
         // The first set decides how many lines are enough.
-        if (lines == kLinesPerBlock && met < kLinesPerBlock) {
-            const double needed = config.enough_hits * kLinesPerBlock / std::max(met, 0.5);
+        const double open_met = met * open.value();
+        if (lines == kLinesPerBlock && open_met < kLinesPerBlock) {
+            const double needed = config.enough_hits * kLinesPerBlock / std::max(open_met, 0.5);
             wanted = int(std::ceil(needed / kLinesPerBlock)) * kLinesPerBlock;
             wanted = std::clamp(wanted, kLinesPerBlock, config.max_lines);
         }
         if (lines < wanted) continue;
-        const double added = added_hits(met) * weights / lines;
-        return {(hits + added) / (weights + added), lines, met > 0};
+        const double added = added_hits(open_met) * weights / lines;
+        return {(hits * open.value() + added) / (weights + added), lines, open_met > 0};
     }
 }
 
 // Measures of groups, in the order of groups; unit of cell. Lines through the whole voxel go on
 // until every class that is there has been met often enough. Where none of the first ones is
-// closed, later lines and those of the shafts are not asked: that takes a ray each.
+// closed, later lines and those of the shafts are not asked.
 std::vector<double> group_measures(std::span<const uint32_t> groups, const ShaftGroups& all,
                                    const VoxelLines& source, uint32_t voxel, LineHits& surfaces,
                                    const MeasureConfig& config, uint64_t& lines_total) {
@@ -69,25 +91,34 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
     const std::span<const VoxelLines::Block> blocks = source.of_voxel(voxel);
     const VoxelLines::Block* block = nullptr;
     std::vector<double> met(all.size(), 0.0);
+    std::vector<OpenShare> open(all.size());
     const bool moved = surfaces.is_blurred();
-    int asked = 0, closed = 0;
+    int hit = 0, closed = 0;
     const auto count = [&](size_t line, int normal_class, double share) {
-        ++asked;
-        if (!moved && !surfaces.is_open(block->lines, line)) {
-            ++closed;
-            return;
-        }
         const uint32_t group =
             block->shafts[line] + ShaftGroups::kFacePairs * uint32_t(normal_class);
+        const uint32_t parent = *all.of_group(group);
+        if (!moved && OpenShare::is_asked(hit++, config.enough_open)) {
+            const bool is_open = surfaces.is_open(block->lines, line);
+            closed += is_open ? 0 : 1;
+            open[group].add(share, is_open);
+            open[parent].add(share, is_open);
+        }
         met[group] += share;
-        met[*all.of_group(group)] += share;
+        met[parent] += share;
+    };
+    const auto open_met = [&](uint32_t group) {
+        const OpenShare& own = open[group];
+        const bool of_voxel = all.is_voxel(group) || own.is_known();
+        return met[group] * (of_voxel ? own : open[*all.of_group(group)]).value();
     };
     constexpr size_t kStep = 16; // blocks
     int lines = 0;
     // A function of the voxel alone, not of the groups that are asked for: shards must agree.
     const auto is_enough = [&] {
         for (uint32_t group = 0; group < all.size(); ++group)
-            if (all.is_voxel(group) && met[group] > 0 && met[group] < config.enough_voxel_hits)
+            if (all.is_voxel(group) && open_met(group) > 0 &&
+                open_met(group) < config.enough_voxel_hits)
                 return false;
         return lines >= config.least_voxel_lines;
     };
@@ -101,13 +132,13 @@ std::vector<double> group_measures(std::span<const uint32_t> groups, const Shaft
                 surfaces.visit_first(next.lines, count);
             lines += kLinesPerBlock;
         }
-        if (!moved && asked >= config.enough_open && closed == 0) surfaces.take_as_open();
+        if (!moved && hit >= config.enough_open && closed == 0) surfaces.take_as_open();
     }
     lines_total += uint64_t(lines);
     std::vector<double> measures;
     for (const uint32_t group : groups) {
-        const double added = added_hits(met[group]);
-        measures.push_back(source.measure() * (met[group] + added) / (lines + added));
+        const double added = added_hits(open_met(group));
+        measures.push_back(source.measure() * (open_met(group) + added) / (lines + added));
     }
     return measures;
 }

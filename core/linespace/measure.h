@@ -26,7 +26,7 @@ struct MeasureConfig {
     int least_voxel_lines = 1024;
     int max_voxel_lines = 8192;   // for the groups of a voxel, a multiple of 32
     int enough_voxel_hits = 1024; // of each class of normals
-    int enough_open = 256;        // hits of a voxel that are asked whether their line is open
+    int enough_open = 256;        // hits of a voxel whose lines are all asked whether they are open
 };
 
 struct MeasureReport {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/array2d.h"
+#include "sampling/r2.h"
 #include "sampling/random.h"
 
 #include <cstdint>
@@ -38,8 +39,7 @@ class DitheredRandom {
 
   private:
     uint32_t shift(uint32_t dimension) const {
-        // Multiples of 1/g and 1/g^2, g the plastic number, as fractions of 2^32.
-        const uint32_t rx = dimension * 3242174889u, ry = dimension * 2447445414u;
+        const uint32_t rx = dimension * kR2StepX, ry = dimension * kR2StepY;
         const Array2D<uint32_t>& shifts = m_tile.shifts;
         const auto along = [](uint32_t fraction, int side) {
             return int(uint64_t(fraction) * uint64_t(side) >> 32);

@@ -73,6 +73,9 @@ Scene box_scene(const BoxScene& box) {
     if (box.has_table)
         add_quad(scene, wall, V3f(0.002f, 0.5f, 0.002f) * s, V3f(0, 0, 0.996f) * s,
                  V3f(0.996f, 0, 0) * s);
+    if (box.has_false_floor)
+        add_quad(scene, wall, V3f(-0.001f, 0.1f, -0.001f) * s, V3f(0, 0, 1.002f) * s,
+                 V3f(1.002f, 0, 0) * s);
     if (box.has_block) add_block(scene, wall, V3f(0.3f, -0.001f, 0.25f) * s, 0.3f * s);
     if (box.lamp_radius > 0) {
         ImplicitShape lamp;

@@ -256,6 +256,17 @@ TEST(LinespaceEnergy, OfAThinPlateAboveTheFloorIsThatOfPathTracing) {
                 0.015);
 }
 
+TEST(LinespaceEnergy, OfWallsThatGoOnBelowTheFloorIsThatOfPathTracing) {
+    // The hidden parts of the walls share a layer of voxels with what is seen of them.
+    const BoxScene box{.albedo = 0.7f, .has_false_floor = true, .lights = {{{0.5, 0.8, 0.5}, 1}}};
+    const Posed p(reference::box_scene(box));
+    for (const double smoothing : {0.0, 1e6})
+        EXPECT_NEAR(
+            indirect_ratio(p, injection(6, 4, 300000, 6), path_traced_indirect(p, 6), smoothing), 1,
+            0.015)
+            << smoothing;
+}
+
 TEST(LinespaceEnergy, OfABlurredCacheIsThatOfPathTracing) {
     for (const BoxScene& box :
          {BoxScene{.albedo = 0.7f, .has_plate = true, .lights = {{{0.5, 0.8, 0.5}, 1}}},
