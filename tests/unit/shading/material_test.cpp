@@ -89,6 +89,7 @@ TEST(BsdfAt, ReadsTheChannelsThatGltfNames) {
     EXPECT_NEAR(b.transmission.x, 0.5 * 0.8 * 0.4, 1e-6);
     EXPECT_NEAR(b.diffuse.x, 0.5 * 0.8 * 0.6, 1e-6);
     // Without textures only the factors and the vertex colour count.
+    m.metallic_roughness_texture = m.base_color_texture = m.transmission_texture = {};
     EXPECT_NEAR(bsdf_at({}, m, input).alpha, 0.25, 1e-6);
     EXPECT_NEAR(bsdf_at({}, m, input).metal_f0.y, 0.25, 1e-6);
 }
@@ -132,14 +133,14 @@ TEST(EmissionAt, ComesFromTheFrontUnlessDoubleSided) {
     const std::vector<Texture> textures = {plain_texture(255, 0, 188, 255)};
     Material m;
     m.emission = {2, 3, 4};
-    m.emission_texture = use_of(0, Transfer::srgb);
     SurfaceInput back;
     back.front = false;
     EXPECT_EQ(emission_at({}, m, {}), V3f(2, 3, 4));
-    EXPECT_EQ(emission_at(textures, m, {}), V3f(2, 0, 4 * kSrgbToLinear[188]));
     EXPECT_EQ(emission_at({}, m, back), V3f(0));
     m.double_sided = true;
     EXPECT_EQ(emission_at({}, m, back), V3f(2, 3, 4));
+    m.emission_texture = use_of(0, Transfer::srgb);
+    EXPECT_EQ(emission_at(textures, m, {}), V3f(2, 0, 4 * kSrgbToLinear[188]));
 }
 
 TEST(EmissionAt, IsTheBaseColourOfUnlitSurfaces) {
@@ -206,7 +207,6 @@ TEST(ShadingNormal, StaysWhereItCannotBeTurned) {
     m.normal_texture = use_of(0, Transfer::linear);
     EXPECT_EQ(shading_normal(textures, m, {}, n, {0, 0, 0, 1}), n); // no tangent
     EXPECT_EQ(shading_normal(textures, m, {}, n, {0, 2, 0, 1}), n); // along the normal
-    EXPECT_EQ(shading_normal({}, m, {}, n, {1, 0, 0, 1}), n);
 }
 
 } // namespace
