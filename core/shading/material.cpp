@@ -36,12 +36,6 @@ uint32_t lobes_of(const Material& material) {
     return 0;
 }
 
-bool is_textured(const Material& material) {
-    return material.base_color_texture.used() || material.emission_texture.used() ||
-           material.normal_texture.used() || material.metallic_roughness_texture.used() ||
-           material.transmission_texture.used();
-}
-
 V3f albedo_of(const Bsdf& bsdf) {
     V3f albedo = bsdf.diffuse;
     if (bsdf.lobes & kLobeMicrofacet) {

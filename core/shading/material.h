@@ -24,8 +24,6 @@ struct SurfaceInput {
 
 // The lobes that points of this material can ever have. 0: it scatters nothing (unlit).
 uint32_t lobes_of(const Material& material);
-// Whether any texture of this material is read.
-bool is_textured(const Material& material);
 
 // Asks memory for the texels that bsdf_at and shading_normal will read here.
 void prefetch_textures(std::span<const Texture> textures, const Material& material,
