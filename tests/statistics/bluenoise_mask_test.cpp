@@ -61,11 +61,11 @@ double mean_rms(MaskMethod method, const std::vector<double>& kernel, uint64_t s
     return sum / double(seeds);
 }
 
-TEST(bluenoise_mask, sigma_1_2_is_bluer_than_the_best_published_mask) {
+TEST(BluenoiseMask, Sigma12IsBluerThanTheBestPublishedMask) {
     EXPECT_LT(mean_rms(MaskMethod::void_and_cluster, gaussian(1), 8), 0.0365);
 }
 
-TEST(bluenoise_mask, white_masks_are_white) {
+TEST(BluenoiseMask, WhiteMasksAreWhite) {
     // sqrt(mean t (1 - t)) = sqrt(1/6) times the kernel's norm sqrt(1 / (4 pi)).
     EXPECT_NEAR(mean_rms(MaskMethod::white, gaussian(1), 4), std::sqrt(1.0 / 6 / (4 * M_PI)),
                 0.004);

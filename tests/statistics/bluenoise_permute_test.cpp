@@ -68,14 +68,14 @@ double energy_at_frame_24(const Mask& mask, std::vector<RetargetTexture> texture
     }
 }
 
-TEST(bluenoise_permute, white_noise_leaves_one) {
+TEST(BluenoisePermute, WhiteNoiseLeavesOne) {
     Array2D<float> values(kSide, kSide);
     for (uint32_t i = 0; i < values.size(); ++i)
         values[i] = unit_float(hash32(3, i, 0, 0));
     EXPECT_NEAR(energy_left(values), 1, 0.05);
 }
 
-TEST(bluenoise_permute, sort_alone) {
+TEST(BluenoisePermute, SortAlone) {
     const Mask mask = blue_mask(1.9);
     for (const auto& [block_px, energy] : {std::pair(4, 0.583), {8, 0.240}, {16, 0.114}})
         EXPECT_NEAR(energy_at_frame_24(mask, {}, OffsetKind::lattice, block_px), energy,
@@ -83,7 +83,7 @@ TEST(bluenoise_permute, sort_alone) {
             << block_px;
 }
 
-TEST(bluenoise_permute, sort_and_retarget) {
+TEST(BluenoisePermute, SortAndRetarget) {
     for (const auto& [sigma_px, block_px, energy] :
          {std::tuple(1.9, 4, 0.079), {1.9, 8, 0.076}, {1.2, 4, 0.023}, {1.2, 8, 0.019}}) {
         const Mask mask = blue_mask(sigma_px);
@@ -94,7 +94,7 @@ TEST(bluenoise_permute, sort_and_retarget) {
 }
 
 // One texture does not fit the four steps of the sequence.
-TEST(bluenoise_permute, r2_needs_four_textures) {
+TEST(BluenoisePermute, R2NeedsFourTextures) {
     const Mask mask = blue_mask(1.9);
     std::vector<RetargetTexture> four;
     for (const Imath::V2i& step : retarget_steps(mask_offsets(OffsetKind::r2, 64, 64)))
@@ -146,7 +146,7 @@ double energy_of_moving_cells(ReprojectMode mode, const Imath::V2i& motion,
     return energy;
 }
 
-TEST(bluenoise_permute, following_the_motion_helps_where_surfaces_differ) {
+TEST(BluenoisePermute, FollowingTheMotionHelpsWhereSurfacesDiffer) {
     double off = 0, image = 0, tile = 0, wrong = 0;
     for (const Imath::V2i& motion : {Imath::V2i(4, 4), Imath::V2i(-4, 1), Imath::V2i(2, -3)}) {
         off += energy_of_moving_cells(ReprojectMode::off, motion, motion);
@@ -183,7 +183,7 @@ double variance_of_mean(int frames, int refresh_frames, std::vector<RetargetText
     return variance / frames * 12;
 }
 
-TEST(bluenoise_permute, means_with_refresh_converge_like_white_noise) {
+TEST(BluenoisePermute, MeansWithRefreshConvergeLikeWhiteNoise) {
     const Mask mask = blue_mask(1.2);
     const std::vector<RetargetTexture> textures = {texture(mask)};
     for (const int refresh_frames : {8, 16, 64}) {

@@ -42,7 +42,7 @@ void expect_irradiance(const V3d& radiance, double irradiance, const V3d& place)
             << "channel " << c << " at " << place.x << ", " << place.y;
 }
 
-TEST(closed_form, point_light) {
+TEST(ClosedForm, PointLight) {
     Plane plane;
     const V3d light(0.4, -0.2, 1.5);
     plane.builder.place_light(point_light(V3d(7)), translated(light));
@@ -54,7 +54,7 @@ TEST(closed_form, point_light) {
 }
 
 // A node looks along -z, which is down here.
-TEST(closed_form, spot_with_the_cosine_power_falloff) {
+TEST(ClosedForm, SpotWithTheCosinePowerFalloff) {
     for (const double exponent : {0.0, 1.0, 20.0}) {
         Plane plane;
         const V3d light(0.4, -0.2, 1.5);
@@ -73,7 +73,7 @@ TEST(closed_form, spot_with_the_cosine_power_falloff) {
 }
 
 // KHR_lights_punctual: ((cos - cos_outer) / (cos_inner - cos_outer))^2, clamped to [0, 1].
-TEST(closed_form, spot_with_the_smooth_cone_falloff) {
+TEST(ClosedForm, SpotWithTheSmoothConeFalloff) {
     Plane plane;
     const V3d light(0.4, -0.2, 1.5);
     Light spot = point_light(V3d(7));
@@ -96,7 +96,7 @@ TEST(closed_form, spot_with_the_smooth_cone_falloff) {
     EXPECT_GT(dark, 0);
 }
 
-TEST(closed_form, directional_light) {
+TEST(ClosedForm, DirectionalLight) {
     Plane plane;
     Light sun = point_light(V3d(3));
     sun.kind = Light::Kind::directional;
@@ -118,7 +118,7 @@ double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V
     return std::abs(sum.dot(normal)) / 2;
 }
 
-TEST(closed_form, emissive_triangle) {
+TEST(ClosedForm, EmissiveTriangle) {
     const std::vector<V3d> corners = {{-0.5, -0.4, 1.6}, {0.1, 0.9, 1.9}, {0.8, -0.3, 1.4}};
     for (const LightSampling sampling : {LightSampling::mis, LightSampling::lights}) {
         Plane plane;
@@ -154,7 +154,7 @@ V3d radiance_near(const Plane& plane, const V3d& p, LightSampling sampling) {
 }
 
 // A sphere wholly above the horizon lights a surface as its light does from its centre.
-TEST(closed_form, emissive_sphere) {
+TEST(ClosedForm, EmissiveSphere) {
     const V3d centre(0.3, -0.2, 1.7), p(0.9, 0.4, 0);
     const double r = 0.6, d = (centre - p).length();
     Plane plane;
@@ -168,7 +168,7 @@ TEST(closed_form, emissive_sphere) {
 }
 
 // Stretched, turned and mirrored: what points on the shape find is what directions find.
-TEST(closed_form, emissive_shapes_are_sampled_as_they_are) {
+TEST(ClosedForm, EmissiveShapesAreSampledAsTheyAre) {
     ImplicitShape ball, cone;
     cone.kind = ImplicitShape::Kind::cone;
     cone.radius_top = 0.2f;
@@ -187,7 +187,7 @@ TEST(closed_form, emissive_shapes_are_sampled_as_they_are) {
     }
 }
 
-TEST(closed_form, blended_screen_passes_its_share_of_light) {
+TEST(ClosedForm, BlendedScreenPassesItsShareOfLight) {
     for (const float alpha : {0.0f, 0.3f, 1.0f}) {
         Plane plane;
         plane.builder.place_light(point_light(V3d(7)), translated({0, 0, 2}));

@@ -100,7 +100,7 @@ void expect_same_mean(const Image& image, const Image& expected, double toleranc
         EXPECT_NEAR(mean_of(image, channel) / mean_of(expected, channel), 1, tolerance);
 }
 
-TEST(extremes, the_unit_of_length_changes_rounding_alone) {
+TEST(Extremes, TheUnitOfLengthChangesRoundingAlone) {
     for (const auto& [name, render] : kRenderers) {
         const Image metres = render({});
         for (const double size : {1e-6, 1e-3, 1e3, 1e6}) {
@@ -110,7 +110,7 @@ TEST(extremes, the_unit_of_length_changes_rounding_alone) {
     }
 }
 
-TEST(extremes, the_place_of_the_scene_changes_rounding_alone) {
+TEST(Extremes, ThePlaceOfTheSceneChangesRoundingAlone) {
     for (const auto& [name, render] : kRenderers) {
         const Image here = render({});
         for (const V3d& there : {V3d(1e4, -2e4, 1.5e4), V3d(1e6, 3e6, -1e6)}) {
@@ -120,7 +120,7 @@ TEST(extremes, the_place_of_the_scene_changes_rounding_alone) {
     }
 }
 
-TEST(extremes, light_scales_exactly_by_powers_of_two) {
+TEST(Extremes, LightScalesExactlyByPowersOfTwo) {
     for (const auto& [name, render] : kRenderers) {
         const Image one = render({});
         for (const int power : {-99, -1, 3, 99}) {
@@ -133,7 +133,7 @@ TEST(extremes, light_scales_exactly_by_powers_of_two) {
     }
 }
 
-TEST(extremes, sums_of_a_cache_know_neither_the_unit_of_light_nor_powers_of_two_of_length) {
+TEST(Extremes, SumsOfACacheKnowNeitherTheUnitOfLightNorPowersOfTwoOfLength) {
     const LightCache one = injected(Stage({}));
     ASSERT_GT(one.size(), 1000u);
     for (const Change& change : {Change{.light = 0x1p-99}, Change{.light = 0x1p99},
@@ -159,7 +159,7 @@ std::string refusal(const Scene& scene, double time = 0) {
     }
 }
 
-TEST(extremes, scenes_from_1e_15_to_1e15_metres_are_taken) {
+TEST(Extremes, ScenesFrom1e15To1e15MetresAreTaken) {
     for (const double size : {2e-15, 1e-10, 1e10, 0.9e15})
         EXPECT_EQ(refusal(changed(room(), {.size = size})), "") << size;
     for (const double size : {1e-38, 0.5e-15, 2e15, 1e30})
@@ -168,7 +168,7 @@ TEST(extremes, scenes_from_1e_15_to_1e15_metres_are_taken) {
             << size;
 }
 
-TEST(extremes, transforms_hold_numbers_up_to_1e100) {
+TEST(Extremes, TransformsHoldNumbersUpTo1e100) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(0.5f))));
     b.place_light(point_light(V3d(1)), scaled({1, 1, 1e99}));
@@ -179,7 +179,7 @@ TEST(extremes, transforms_hold_numbers_up_to_1e100) {
     }
 }
 
-TEST(extremes, lights_may_be_1e15_times_as_far_away_as_the_scene_is_wide) {
+TEST(Extremes, LightsMayBe1e15TimesAsFarAwayAsTheSceneIsWide) {
     for (const double distance : {1e3, 1e14}) {
         SceneBuilder b;
         b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(0.5f))));
@@ -191,7 +191,7 @@ TEST(extremes, lights_may_be_1e15_times_as_far_away_as_the_scene_is_wide) {
     }
 }
 
-TEST(extremes, things_may_move_1e8_times_the_extent_of_the_scene) {
+TEST(Extremes, ThingsMayMove1e8TimesTheExtentOfTheScene) {
     for (const auto& [way, taken] : {std::pair{1e7, true}, {1e9, false}, {1e30, false}}) {
         Scene scene = room();
         Node& node = scene.nodes.front();
@@ -204,7 +204,7 @@ TEST(extremes, things_may_move_1e8_times_the_extent_of_the_scene) {
     }
 }
 
-TEST(extremes, light_brighter_than_float_becomes_the_greatest_float) {
+TEST(Extremes, LightBrighterThanFloatBecomesTheGreatestFloat) {
     constexpr float kMost = std::numeric_limits<float>::max();
     EXPECT_EQ(saturated(1e39), kMost);
     EXPECT_EQ(saturated(-std::numeric_limits<double>::infinity()), -kMost);
@@ -220,7 +220,7 @@ TEST(extremes, light_brighter_than_float_becomes_the_greatest_float) {
     }
 }
 
-TEST(extremes, rays_of_cameras_far_aside_stay_within_the_range_of_float) {
+TEST(Extremes, RaysOfCamerasFarAsideStayWithinTheRangeOfFloat) {
     const Stage stage({});
     for (const double far : {1e3, 1e12, 1e30, 1e90}) {
         const PixelCamera camera = camera_of({V3d(far, far, 2 * far), V3d(far, far, 0), 60, 4, 4},

@@ -51,20 +51,20 @@ void expect_invisible(const Scene& scene, const RenderConfig& config, double tol
         EXPECT_NEAR(mean_of(result.image, channel), 1, tolerance);
 }
 
-TEST(furnace, lambert_is_invisible_along_every_path) {
+TEST(Furnace, LambertIsInvisibleAlongEveryPath) {
     expect_invisible(open_box(lambert(V3f(1))), furnace_config(32, 1000, 0), 1e-5);
 }
 
-TEST(furnace, lambert_is_invisible_with_roulette) {
+TEST(Furnace, LambertIsInvisibleWithRoulette) {
     expect_invisible(open_box(lambert(V3f(1))), furnace_config(512, 1000, 2), kTolerance);
 }
 
-TEST(furnace, mirrors_are_invisible) {
+TEST(Furnace, MirrorsAreInvisible) {
     expect_invisible(open_box(mirror()), furnace_config(16, 1000, 0), 1e-5);
     expect_invisible(one_sphere(mirror()), furnace_config(16, 10, 0), 1e-5);
 }
 
-TEST(furnace, smooth_dielectrics_are_invisible) {
+TEST(Furnace, SmoothDielectricsAreInvisible) {
     for (const float ior : {1.0f, 1.000001f, 1.5f, 3.0f}) {
         SCOPED_TRACE(ior);
         expect_invisible(one_sphere(glass(ior)), furnace_config(128, 1000, 0), kTolerance);
@@ -73,7 +73,7 @@ TEST(furnace, smooth_dielectrics_are_invisible) {
     expect_invisible(one_sphere(glass(100)), furnace_config(32, 4000, 0), kTolerance);
 }
 
-TEST(furnace, thin_glass_of_metallic_roughness_is_invisible) {
+TEST(Furnace, ThinGlassOfMetallicRoughnessIsInvisible) {
     Material m = metal(0);
     m.metallic = 0;
     m.transmission = 1;
@@ -81,7 +81,7 @@ TEST(furnace, thin_glass_of_metallic_roughness_is_invisible) {
 }
 
 // Radiance e from walls of albedo a adds up to e / (1 - a).
-TEST(furnace, closed_box_of_emitters_gives_the_geometric_series) {
+TEST(Furnace, ClosedBoxOfEmittersGivesTheGeometricSeries) {
     SceneBuilder b;
     b.scene.meshes.push_back(
         cube(1, b.add_material(emitter(V3f(0.5f, 0.25f, 0.75f), V3f(0.5f, 0.75f, 0.25f)))));
@@ -127,7 +127,7 @@ double ggx_albedo(double cos_o, double alpha) {
     return sum / (double(kSteps) * kSteps);
 }
 
-TEST(furnace, ggx_loses_its_single_scatter_share) {
+TEST(Furnace, GgxLosesItsSingleScatterShare) {
     for (const double roughness : {0.1, 0.3, 0.6, 1.0})
         for (const double degrees : {0.0, 60.0, 80.0}) {
             SceneBuilder b;

@@ -65,7 +65,7 @@ void expect_same_but_for_rounding(const Image& a, const Image& b, double toleran
     EXPECT_LE(double(different), largest_share * double(samples));
 }
 
-TEST(invariance, powers_of_two_of_the_unit_of_length_change_no_bit) {
+TEST(Invariance, PowersOfTwoOfTheUnitOfLengthChangeNoBit) {
     const FrameResult metres = render_scaled(1);
     ASSERT_GT(mean_of(metres.image, "R"), 0.05);
     for (const int exponent : {-20, -1, 3, 20})
@@ -73,7 +73,7 @@ TEST(invariance, powers_of_two_of_the_unit_of_length_change_no_bit) {
             << "2^" << exponent;
 }
 
-TEST(invariance, the_unit_of_length_changes_rounding_alone) {
+TEST(Invariance, TheUnitOfLengthChangesRoundingAlone) {
     const FrameResult metres = render_scaled(1);
     for (const double s : {1e-6, 1e-3, 1e3, 1e6}) {
         SCOPED_TRACE(s);
@@ -81,13 +81,13 @@ TEST(invariance, the_unit_of_length_changes_rounding_alone) {
     }
 }
 
-TEST(invariance, the_place_of_the_scene_changes_rounding_alone) {
+TEST(Invariance, ThePlaceOfTheSceneChangesRoundingAlone) {
     const FrameResult here = render_shifted(V3d(0));
     expect_same_but_for_rounding(here.image, render_shifted({1e4, -2e4, 1.5e4}).image, 1e-4, 0.01);
     expect_same_but_for_rounding(here.image, render_shifted({1e6, 3e6, -1e6}).image, 1e-4, 0.01);
 }
 
-TEST(invariance, light_scales_exactly_by_powers_of_two) {
+TEST(Invariance, LightScalesExactlyByPowersOfTwo) {
     const FrameResult one = render_scaled(1);
     for (const int exponent : {-99, -3, 1, 99, 112}) {
         const FrameResult other = render_scaled(1, std::ldexp(1.0, exponent));
@@ -98,7 +98,7 @@ TEST(invariance, light_scales_exactly_by_powers_of_two) {
     }
 }
 
-TEST(invariance, dim_light_in_large_scenes_and_bright_light_in_small_ones_stay_finite) {
+TEST(Invariance, DimLightInLargeScenesAndBrightLightInSmallOnesStayFinite) {
     for (const auto& [metres, light] :
          {std::pair{1e6, 1e-30}, {1e-3, 1e30}, {1e6, 1e30}, {1e-6, 1e-30}}) {
         SCOPED_TRACE(metres);

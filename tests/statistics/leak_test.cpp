@@ -8,7 +8,7 @@ namespace {
 
 using namespace reference;
 
-TEST(leak, no_ray_leaves_a_closed_shape_or_meets_its_own_wall) {
+TEST(Leak, NoRayLeavesAClosedShapeOrMeetsItsOwnWall) {
     const Workers workers(1);
     for (const ClosedShape& shape : closed_shapes()) {
         const LeakCounts counts = count_leaks(shape, 20'000, 50, 1, 1, workers);
@@ -19,7 +19,7 @@ TEST(leak, no_ray_leaves_a_closed_shape_or_meets_its_own_wall) {
 }
 
 // Without an offset rays do meet their own wall: the count above can fail.
-TEST(leak, rays_without_offset_meet_their_own_wall) {
+TEST(Leak, RaysWithoutOffsetMeetTheirOwnWall) {
     const Workers workers(1);
     uint64_t self_hits = 0;
     for (const ClosedShape& shape : closed_shapes())
@@ -29,7 +29,7 @@ TEST(leak, rays_without_offset_meet_their_own_wall) {
 
 // Two parallel sheets 1e-5 of the scene apart: rays between them meet the other sheet, on its inner
 // side, from either.
-TEST(leak, sheets_close_together_are_told_apart) {
+TEST(Leak, SheetsCloseTogetherAreToldApart) {
     const Workers workers(1);
     for (int turn = 0; turn < 8; ++turn) {
         SceneBuilder b;

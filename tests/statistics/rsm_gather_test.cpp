@@ -63,15 +63,15 @@ void expect_unbiased(const GatherConfig& config, int passes) {
     }
 }
 
-TEST(rsm_gather, importance_is_unbiased_for_the_map) {
+TEST(RsmGather, ImportanceIsUnbiasedForTheMap) {
     expect_unbiased({.gather = Gather::importance, .samples = 8}, 1500);
 }
 
-TEST(rsm_gather, a_pattern_that_covers_the_map_is_unbiased) {
+TEST(RsmGather, APatternThatCoversTheMapIsUnbiased) {
     expect_unbiased({.gather = Gather::pattern, .samples = 32, .radius = 1.5f}, 1500);
 }
 
-TEST(rsm_gather, importance_of_several_lights_is_unbiased) {
+TEST(RsmGather, ImportanceOfSeveralLightsIsUnbiased) {
     Builder b = spot_room();
     b.light(Light::Kind::point, {0.5, 0.5, 0.5}, {0, 0, -1}, 2);
     const Stage stage(b, 6, {0.9, 0.8, 0.9}, {-0.3, -0.5, -0.3});
@@ -90,7 +90,7 @@ TEST(rsm_gather, importance_of_several_lights_is_unbiased) {
     EXPECT_NEAR(estimate / exact, 1, 0.01);
 }
 
-TEST(rsm_gather, error_of_importance_falls_with_the_root_of_the_samples) {
+TEST(RsmGather, ErrorOfImportanceFallsWithTheRootOfTheSamples) {
     const Stage stage = small_room(8);
     const auto maps = stage.maps({.size = 32});
     const Gatherer truth(stage.posed().rays(), maps, {.gather = Gather::full});
@@ -122,7 +122,7 @@ TEST(rsm_gather, error_of_importance_falls_with_the_root_of_the_samples) {
     EXPECT_NEAR(slope, -0.5, 0.05);
 }
 
-TEST(rsm_gather, error_of_importance_falls_at_least_as_fast_with_samples_within_a_pass) {
+TEST(RsmGather, ErrorOfImportanceFallsAtLeastAsFastWithSamplesWithinAPass) {
     const Stage stage = small_room(8);
     const auto maps = stage.maps({.size = 32});
     const Gatherer truth(stage.posed().rays(), maps, {.gather = Gather::full});
@@ -144,7 +144,7 @@ TEST(rsm_gather, error_of_importance_falls_at_least_as_fast_with_samples_within_
     EXPECT_LT(0.5 * std::log(rms[1] / rms[0]) / std::log(64.0), -0.45);
 }
 
-TEST(rsm_gather, full_nears_path_tracing_as_the_map_grows) {
+TEST(RsmGather, FullNearsPathTracingAsTheMapGrows) {
     const Stage stage(cornell_spot(), 32);
     const Image reference = stage.reference(1024);
     double before = 1;
@@ -159,7 +159,7 @@ TEST(rsm_gather, full_nears_path_tracing_as_the_map_grows) {
 
 // On the rear wall, seen through so narrow a camera that light hardly changes within a pixel: one
 // pass will do.
-TEST(rsm_gather, full_at_512_and_1080_has_the_mean_of_path_tracing) {
+TEST(RsmGather, FullAt512And1080HasTheMeanOfPathTracing) {
     const Stage stage(cornell_spot(), 4, {"", true, {0.278, 0.273, -0.8}, {0.2, 0.35, 0.55}, 2});
     const double traced = mean_of(stage.reference(32768), "indirect.");
     for (const int size : {512, 1080}) {
@@ -194,7 +194,7 @@ double least_p_value(const std::vector<std::vector<double>>& a,
 }
 
 // The camera looks into a corner of the room, where the bound takes most.
-TEST(rsm_gather, compensation_leaves_no_bias_against_path_tracing) {
+TEST(RsmGather, CompensationLeavesNoBiasAgainstPathTracing) {
     constexpr int kSide = 16, kRuns = 24;
     const Stage stage(spot_room(), kSide, {0.3, 0.2, 0.2}, {-0.6, -1, -1}, 60);
     const auto traced =
@@ -215,7 +215,7 @@ TEST(rsm_gather, compensation_leaves_no_bias_against_path_tracing) {
     EXPECT_LT(least_p_value(gathered({}, Compensate::no), traced), level);
 }
 
-TEST(rsm_gather, compensation_works_for_perspective_maps_and_every_kind_of_light) {
+TEST(RsmGather, CompensationWorksForPerspectiveMapsAndEveryKindOfLight) {
     Builder b = spot_room();
     b.light(Light::Kind::point, {0.6, 0.5, -0.2}, {0, 0, -1}, 1);
     const Stage stage(b, 16, {0.3, 0.2, 0.2}, {-0.6, -1, -1}, 60);
@@ -229,7 +229,7 @@ TEST(rsm_gather, compensation_works_for_perspective_maps_and_every_kind_of_light
     }
 }
 
-TEST(rsm_gather, directional_light_on_an_open_scene_matches_path_tracing) {
+TEST(RsmGather, DirectionalLightOnAnOpenSceneMatchesPathTracing) {
     Builder b;
     const int grey = b.material({0.5f, 0.6f, 0.7f});
     b.quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, grey);
@@ -284,7 +284,7 @@ RotationErrors rotation_errors(Gather gather, int samples) {
     return errors;
 }
 
-TEST(rsm_gather, rotation_turns_bands_to_noise_and_a_mask_makes_it_blue) {
+TEST(RsmGather, RotationTurnsBandsToNoiseAndAMaskMakesItBlue) {
     for (const Gather gather : {Gather::pattern, Gather::importance})
         for (const int samples : {16, 64}) {
             SCOPED_TRACE((gather == Gather::pattern ? "pattern " : "importance ") +

@@ -67,7 +67,7 @@ const Scene& diffuse_box() {
     return scene;
 }
 
-TEST(welch, sees_a_bias_of_five_percent) {
+TEST(Welch, SeesABiasOfFivePercent) {
     const RenderConfig config = path_config(16, 4, 0, LightSampling::mis);
     Scene brighter = diffuse_box();
     for (Material& material : brighter.materials)
@@ -76,14 +76,14 @@ TEST(welch, sees_a_bias_of_five_percent) {
               sidak_level(kLevel, kTests));
 }
 
-TEST(welch, roulette_changes_no_mean) {
+TEST(Welch, RouletteChangesNoMean) {
     for (const int max_depth : {2, 8})
         expect_same(
             tile_means(diffuse_box(), path_config(16, max_depth, 0, LightSampling::mis), 0),
             tile_means(diffuse_box(), path_config(16, max_depth, 1, LightSampling::mis), 100));
 }
 
-TEST(welch, light_and_bsdf_sampling_agree_at_every_depth) {
+TEST(Welch, LightAndBsdfSamplingAgreeAtEveryDepth) {
     for (const int max_depth : {1, 2, 8}) {
         SCOPED_TRACE(max_depth);
         const TileMeans mis =
@@ -96,7 +96,7 @@ TEST(welch, light_and_bsdf_sampling_agree_at_every_depth) {
 }
 
 // Caustics of the area light through glass and off a narrow lobe.
-TEST(welch, light_and_bsdf_sampling_agree_on_glass_and_glossy_surfaces) {
+TEST(Welch, LightAndBsdfSamplingAgreeOnGlassAndGlossySurfaces) {
     Material big_light = emitter(V3f(3));
     for (const Material& block : {glass(1.5f), glossy(V3f(0.3f), 0.6f, 40)}) {
         const Scene scene = cornell(block, big_light);
@@ -110,7 +110,7 @@ TEST(welch, light_and_bsdf_sampling_agree_on_glass_and_glossy_surfaces) {
 }
 
 // Two copies of a mesh are instances; the same triangles under two names are not.
-TEST(welch, instances_look_like_copies) {
+TEST(Welch, InstancesLookLikeCopies) {
     const auto scene_with = [](bool shared) {
         SceneBuilder b;
         b.scene = cornell(lambert(V3f(0.5f)), emitter(V3f(12, 10, 8)));
@@ -129,7 +129,7 @@ TEST(welch, instances_look_like_copies) {
 }
 
 // An emitter with a blended or cut-out surface: both strategies must see the holes.
-TEST(welch, light_and_bsdf_sampling_agree_on_emitters_with_alpha) {
+TEST(Welch, LightAndBsdfSamplingAgreeOnEmittersWithAlpha) {
     Material light = emitter(V3f(12));
     light.alpha_mode = AlphaMode::blend;
     light.alpha = 0.4f;
@@ -139,7 +139,7 @@ TEST(welch, light_and_bsdf_sampling_agree_on_emitters_with_alpha) {
 }
 
 // The image of two lights is the sum of the images of each.
-TEST(welch, lights_add) {
+TEST(Welch, LightsAdd) {
     const auto lit_by = [](bool area, bool point) {
         SceneBuilder b;
         b.scene = cornell(lambert(V3f(0.5f)), area ? emitter(V3f(12, 10, 8)) : lambert(V3f(0)));

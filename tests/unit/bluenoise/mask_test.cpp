@@ -37,14 +37,14 @@ bool each_rank_once(Array2D<uint32_t> mask) {
 constexpr std::pair<int, int> kSizes[] = {{1, 1}, {1, 2},   {1, 7},   {13, 1}, {2, 2}, {3, 5},
                                           {8, 8}, {61, 67}, {64, 32}, {9, 64}, {7, 7}, {100, 3}};
 
-TEST(mask, holds_each_rank_once_for_any_size) {
+TEST(Mask, HoldsEachRankOnceForAnySize) {
     for (const auto& [width, height] : kSizes)
         for (const MaskMethod method : {MaskMethod::void_and_cluster, MaskMethod::white})
             EXPECT_TRUE(each_rank_once(ranks(config(method, width, height))))
                 << width << 'x' << height;
 }
 
-TEST(mask, void_and_cluster_equals_its_slow_twin) {
+TEST(Mask, VoidAndClusterEqualsItsSlowTwin) {
     Progress progress;
     for (const auto& [width, height] :
          {std::pair{1, 1}, {1, 2}, {1, 11}, {4, 4}, {5, 3}, {16, 12}, {23, 17}})
@@ -56,7 +56,7 @@ TEST(mask, void_and_cluster_equals_its_slow_twin) {
         }
 }
 
-TEST(mask, depends_on_seed_and_channel) {
+TEST(Mask, DependsOnSeedAndChannel) {
     const MaskConfig base = config(MaskMethod::void_and_cluster, 16, 16, 1);
     MaskConfig channel = base;
     channel.channel = 1;
@@ -65,12 +65,12 @@ TEST(mask, depends_on_seed_and_channel) {
     EXPECT_NE(ranks(base), ranks(channel));
 }
 
-TEST(mask, bayer_is_the_classic_matrix) {
+TEST(Mask, BayerIsTheClassicMatrix) {
     const Array2D<uint32_t> four(4, 4, {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5});
     EXPECT_EQ(ranks(config(MaskMethod::bayer, 4, 4)), four);
 }
 
-TEST(mask, bayer_takes_any_powers_of_two_and_nothing_else) {
+TEST(Mask, BayerTakesAnyPowersOfTwoAndNothingElse) {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 8}, {2, 1}, {16, 4}, {4, 32}})
         EXPECT_TRUE(each_rank_once(ranks(config(MaskMethod::bayer, width, height))));
     EXPECT_THROW(ranks(config(MaskMethod::bayer, 6, 8)), Error);
@@ -78,7 +78,7 @@ TEST(mask, bayer_takes_any_powers_of_two_and_nothing_else) {
 
 // Low ranks of a blue mask keep apart: the nearest pair of the first sixteenth is far above the
 // one pixel that white noise leaves.
-TEST(mask, void_and_cluster_keeps_low_ranks_apart) {
+TEST(Mask, VoidAndClusterKeepsLowRanksApart) {
     const Array2D<uint32_t> mask = ranks(config(MaskMethod::void_and_cluster, 32, 32, 3));
     int nearest = 32 * 32;
     for (int i = 0; i < 1024; ++i)
@@ -91,7 +91,7 @@ TEST(mask, void_and_cluster_keeps_low_ranks_apart) {
     EXPECT_GE(nearest, 8);
 }
 
-TEST(mask, refuses_sizes_and_sigmas_out_of_range) {
+TEST(Mask, RefusesSizesAndSigmasOutOfRange) {
     EXPECT_THROW(check_mask_config(config(MaskMethod::white, 8192, 4096)), Error);
     EXPECT_THROW(check_mask_config(config(MaskMethod::white, 0, 4)), Error);
     MaskConfig flat = config(MaskMethod::void_and_cluster, 4, 4);
@@ -101,7 +101,7 @@ TEST(mask, refuses_sizes_and_sigmas_out_of_range) {
     EXPECT_THROW(check_mask_config(flat), Error);
 }
 
-TEST(mask_file, ranks_come_back_exactly_from_float_and_from_16_bits) {
+TEST(MaskFile, RanksComeBackExactlyFromFloatAndFrom16Bits) {
     for (const auto& [width, height] : {std::pair{61, 67}, {1, 1}, {256, 256}}) {
         const MaskConfig mask = config(MaskMethod::white, width, height);
         const Array2D<uint32_t> expected = ranks(mask);
@@ -116,7 +116,7 @@ TEST(mask_file, ranks_come_back_exactly_from_float_and_from_16_bits) {
     }
 }
 
-TEST(mask_file, float_masks_keep_ties) {
+TEST(MaskFile, FloatMasksKeepTies) {
     Image image(2, 2);
     image.plane("Y").values() = {0.5f, -1.0f, 7.0f, 0.5f};
     const Mask mask = mask_from_image(image, "", "m");
@@ -124,7 +124,7 @@ TEST(mask_file, float_masks_keep_ties) {
     EXPECT_EQ(mask.levels, 3u);
 }
 
-TEST(mask_file, several_channels_need_a_choice) {
+TEST(MaskFile, SeveralChannelsNeedAChoice) {
     Image image(2, 1);
     image.plane("R").values() = {0.0f, 1.0f};
     image.plane("G").values() = {1.0f, 0.0f};

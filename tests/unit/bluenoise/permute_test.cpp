@@ -78,7 +78,7 @@ MotionPlanes swirl(int width, int height, int frame) {
     return motion;
 }
 
-TEST(sort, equals_its_slow_twin) {
+TEST(Sort, EqualsItsSlowTwin) {
     const Array2D<uint32_t> ranks = mask(16, 24).values;
     for (const auto& [width, height] : {std::pair{64, 48}, {61, 67}, {1, 1}, {1, 7}, {5, 3}})
         for (const int block : {1, 2, 3, 4, 7, 8, 12, 16})
@@ -107,7 +107,7 @@ TEST(sort, equals_its_slow_twin) {
             }
 }
 
-TEST(sort, large_blocks_equal_the_slow_twin) {
+TEST(Sort, LargeBlocksEqualTheSlowTwin) {
     const Array2D<uint32_t> ranks = mask(64, 64).values;
     const Array2D<uint32_t> seeds = words(130, 70, 1);
     MaskConfig white;
@@ -129,7 +129,7 @@ TEST(sort, large_blocks_equal_the_slow_twin) {
 
 // In an image of one intensity the order is a hash's: all frames differ, and no pixel keeps its
 // seed more often than chance has it (1 of 64).
-TEST(sort, ties_are_broken_by_a_hash) {
+TEST(Sort, TiesAreBrokenByAHash) {
     const Array2D<uint32_t> ranks = mask(32, 32).values;
     const Array2D<uint32_t> seeds = words(64, 64, 1);
     int kept = 0;
@@ -147,7 +147,7 @@ TEST(sort, ties_are_broken_by_a_hash) {
     EXPECT_NEAR(kept / 65536.0, 1 / 64.0, 0.003);
 }
 
-TEST(sort, unique_ranks_keep_the_order) {
+TEST(Sort, UniqueRanksKeepTheOrder) {
     const Array2D<uint32_t> values(3, 2, {7, 7, 1, 9, 1, 7});
     const Array2D<uint32_t> ranks = unique_ranks(values);
     EXPECT_EQ(sorted(ranks), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
@@ -156,7 +156,7 @@ TEST(sort, unique_ranks_keep_the_order) {
             EXPECT_EQ(values[i] < values[j] && ranks[i] > ranks[j], false);
 }
 
-TEST(retarget, equals_its_slow_twin) {
+TEST(Retarget, EqualsItsSlowTwin) {
     const Mask tile = mask(16, 8);
     for (const RetargetTexture& texture : textures(tile, OffsetKind::lattice, 1))
         for (const auto& [width, height] : {std::pair{16, 8}, {48, 64}, {160, 24}}) {
@@ -166,7 +166,7 @@ TEST(retarget, equals_its_slow_twin) {
         }
 }
 
-TEST(retarget, by_tile_equals_the_whole_where_all_tiles_move_alike) {
+TEST(Retarget, ByTileEqualsTheWholeWhereAllTilesMoveAlike) {
     const Mask tile = mask(16, 8);
     for (const RetargetTexture& texture : textures(tile, OffsetKind::lattice, 1)) {
         const Array2D<uint32_t> seeds = words(64, 32, 3);
@@ -176,7 +176,7 @@ TEST(retarget, by_tile_equals_the_whole_where_all_tiles_move_alike) {
     }
 }
 
-TEST(retarget, by_tile_equals_its_slow_twin) {
+TEST(Retarget, ByTileEqualsItsSlowTwin) {
     const Mask tile = mask(16, 8);
     const std::vector<RetargetTexture> set = textures(tile, OffsetKind::lattice, 4);
     for (const auto& [width, height] : {std::pair{16, 8}, {32, 8}, {48, 64}, {160, 24}}) {
@@ -190,7 +190,7 @@ TEST(retarget, by_tile_equals_its_slow_twin) {
 }
 
 // Seeds sorted like M_t are nearly sorted like M_{t+1} afterwards: both axes and the signs matter.
-TEST(retarget, seeds_follow_the_mask_on_both_axes) {
+TEST(Retarget, SeedsFollowTheMaskOnBothAxes) {
     const Mask tile = mask(32, 16);
     const int width = 96, height = 48;
     for (const OffsetKind kind : {OffsetKind::lattice, OffsetKind::r2}) {
@@ -220,7 +220,7 @@ TEST(retarget, seeds_follow_the_mask_on_both_axes) {
 
 class Passes : public testing::TestWithParam<std::pair<int, int>> {};
 
-TEST_P(Passes, are_bijections_over_100_frames) {
+TEST_P(Passes, AreBijectionsOver100Frames) {
     const auto [width, height] = GetParam();
     const Mask tile = mask(16, 16);
     const std::vector<RetargetTexture> set = textures(tile, OffsetKind::lattice, 4);
@@ -245,7 +245,7 @@ TEST_P(Passes, are_bijections_over_100_frames) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(permute, Passes,
+INSTANTIATE_TEST_SUITE_P(Permute, Passes,
                          testing::Values(std::pair{1, 1}, std::pair{1, 7}, std::pair{61, 67}));
 
 // Seeds 0, 1, 2, ...: each must be there once.
@@ -260,7 +260,7 @@ bool holds_each_once(const Array2D<uint32_t>& seeds) {
 
 class FullHd : public testing::TestWithParam<ReprojectMode> {};
 
-TEST_P(FullHd, passes_are_bijections_over_100_frames) {
+TEST_P(FullHd, PassesAreBijectionsOver100Frames) {
     const Mask tile = mask(64, 64);
     PermuteConfig config = permute_config(tile);
     config.reproject = GetParam();
@@ -281,11 +281,11 @@ TEST_P(FullHd, passes_are_bijections_over_100_frames) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(permute, FullHd,
+INSTANTIATE_TEST_SUITE_P(Permute, FullHd,
                          testing::Values(ReprojectMode::off, ReprojectMode::image,
                                          ReprojectMode::tile));
 
-TEST(permute, does_not_depend_on_the_number_of_threads) {
+TEST(Permute, DoesNotDependOnTheNumberOfThreads) {
     const Mask tile = mask(16, 16);
     PermuteConfig config = permute_config(tile);
     config.reproject = ReprojectMode::tile;
@@ -298,7 +298,7 @@ TEST(permute, does_not_depend_on_the_number_of_threads) {
               permuter.next_seeds(seeds, 5, guides, Workers(4)));
 }
 
-TEST(permute, refreshes_every_k_frames) {
+TEST(Permute, RefreshesEveryKFrames) {
     const Mask tile = mask(8, 8);
     PermuteConfig config = permute_config(tile);
     config.refresh_frames = 3;
@@ -312,7 +312,7 @@ TEST(permute, refreshes_every_k_frames) {
     }
 }
 
-TEST(permute, pads_with_fresh_seeds_and_gives_back_what_is_seen) {
+TEST(Permute, PadsWithFreshSeedsAndGivesBackWhatIsSeen) {
     const Mask tile = mask(8, 8);
     const Permuter permuter(tile, {}, permute_config(tile), 10, 3);
     const Array2D<uint32_t> seeds = words(10, 3, 4);
@@ -325,7 +325,7 @@ TEST(permute, pads_with_fresh_seeds_and_gives_back_what_is_seen) {
     EXPECT_THROW(permuter.padded_seeds(words(9, 3, 4), 7), Error);
 }
 
-TEST(permute, refuses_textures_that_do_not_fit) {
+TEST(Permute, RefusesTexturesThatDoNotFit) {
     const Mask tile = mask(8, 8);
     const PermuteConfig lattice = permute_config(tile);
     std::vector<RetargetTexture> set = textures(tile, OffsetKind::lattice, 0);
@@ -340,7 +340,7 @@ TEST(permute, refuses_textures_that_do_not_fit) {
 }
 
 // The example of bn-permute(1): a 4 x 4 mask with step (1, 0), one block.
-TEST(permute, the_example_of_the_manual_page_holds) {
+TEST(Permute, TheExampleOfTheManualPageHolds) {
     const Array2D<uint32_t> bayer(4, 4, {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5});
     // Intensities 0..15 in reading order; seeds 100..115 with them.
     Array2D<float> intensity(4, 4);
@@ -371,7 +371,7 @@ TEST(permute, the_example_of_the_manual_page_holds) {
     EXPECT_EQ(seeds, before);
 }
 
-TEST(reproject, camera_motion_is_what_projection_says) {
+TEST(Reproject, CameraMotionIsWhatProjectionSays) {
     // A camera at the origin along +z, focal length 1: ndc = (0.5 + x / z, 0.5 + y / z).
     Imath::M44f ndc(1, 0, 0, 0, 0, 1, 0, 0, 0.5f, 0.5f, 0, 1, 0, 0, 1, 0);
     // The next camera stands 0.1 to the right and 0.2 up (y down): points move the other way.
@@ -392,7 +392,7 @@ TEST(reproject, camera_motion_is_what_projection_says) {
         Imath::V2i(4, -3));
 }
 
-TEST(guides, surfaces_are_told_apart) {
+TEST(Guides, SurfacesAreToldApart) {
     Image guide(2, 1);
     EXPECT_TRUE(surface_numbers(guide).empty());
     guide.plane("N.X").values() = {1, 0};
@@ -403,7 +403,7 @@ TEST(guides, surfaces_are_told_apart) {
     EXPECT_NE(surface_numbers(guide)[0], surface_numbers(guide)[1]);
 }
 
-TEST(guides, intensity_is_luminance) {
+TEST(Guides, IntensityIsLuminance) {
     Image image(1, 1);
     image.plane("R")[0] = 1;
     image.plane("G")[0] = 2;

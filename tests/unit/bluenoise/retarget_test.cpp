@@ -35,7 +35,7 @@ RetargetConfig config(Imath::V2i step, int radius, Imath::V2i motion = {0, 0}, d
     return config;
 }
 
-TEST(assignment, equals_the_best_of_all_bijections) {
+TEST(Assignment, EqualsTheBestOfAllBijections) {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 5}, {3, 3}, {4, 2}, {8, 1}, {2, 2}})
         for (uint64_t seed = 0; seed < 4; ++seed)
             for (const int radius : {0, 1, 2})
@@ -54,7 +54,7 @@ TEST(assignment, equals_the_best_of_all_bijections) {
                 }
 }
 
-TEST(assignment, meets_its_dual_bound_on_blue_masks) {
+TEST(Assignment, MeetsItsDualBoundOnBlueMasks) {
     for (const auto& [width, height] : {std::pair{32, 32}, {48, 20}, {13, 31}})
         for (const double penalty : {0.0, 0.2}) {
             const RetargetProblem problem(mask(width, height, 3),
@@ -67,7 +67,7 @@ TEST(assignment, meets_its_dual_bound_on_blue_masks) {
         }
 }
 
-TEST(assignment, bound_of_other_prices_is_lower) {
+TEST(Assignment, BoundOfOtherPricesIsLower) {
     const RetargetProblem problem(mask(16, 16), config({9, 9}, 4));
     Assignment optimum = least_cost_assignment(problem);
     const int64_t cost = retarget_report(problem, optimum.moves).cost;
@@ -76,7 +76,7 @@ TEST(assignment, bound_of_other_prices_is_lower) {
     EXPECT_LT(dual_bound(problem, std::vector<int64_t>(256, 0)), cost);
 }
 
-TEST(assignment, a_penalty_shortens_moves) {
+TEST(Assignment, APenaltyShortensMoves) {
     const Mask tile = mask(32, 32);
     const RetargetProblem free(tile, config({17, 19}, 6));
     const RetargetProblem dear(tile, config({17, 19}, 6, {0, 0}, 1.0));
@@ -86,7 +86,7 @@ TEST(assignment, a_penalty_shortens_moves) {
     EXPECT_GT(b.energy, a.energy);
 }
 
-TEST(retarget_report, sees_what_is_no_bijection) {
+TEST(RetargetReport, SeesWhatIsNoBijection) {
     const RetargetProblem problem(mask(8, 8), config({3, 5}, 2));
     Moves moves(8, 8, {0, 0});
     EXPECT_TRUE(retarget_report(problem, moves).bijection);
@@ -98,7 +98,7 @@ TEST(retarget_report, sees_what_is_no_bijection) {
     EXPECT_FALSE(retarget_report(problem, moves).bijection);
 }
 
-TEST(anneal, keeps_its_sums_and_comes_near_the_optimum) {
+TEST(Anneal, KeepsItsSumsAndComesNearTheOptimum) {
     const RetargetProblem problem(mask(32, 32), config({17, 19}, 6, {2, -1}));
     const int64_t optimum = retarget_report(problem, least_cost_assignment(problem).moves).energy;
     AnnealConfig c;
@@ -117,7 +117,7 @@ TEST(anneal, keeps_its_sums_and_comes_near_the_optimum) {
     EXPECT_LT(result.trace.back().acceptance, 0.05);
 }
 
-TEST(anneal, every_schedule_is_a_function_of_its_seed) {
+TEST(Anneal, EveryScheduleIsAFunctionOfItsSeed) {
     const RetargetProblem problem(mask(16, 16), config({9, 9}, 4));
     Progress progress;
     for (const AnnealSchedule schedule :
@@ -137,7 +137,7 @@ TEST(anneal, every_schedule_is_a_function_of_its_seed) {
     }
 }
 
-TEST(anneal, temperatures_follow_their_formulas) {
+TEST(Anneal, TemperaturesFollowTheirFormulas) {
     const RetargetProblem problem(mask(16, 16), config({9, 9}, 4));
     Progress progress;
     const auto last = [&](AnnealSchedule schedule) {
@@ -154,7 +154,7 @@ TEST(anneal, temperatures_follow_their_formulas) {
     EXPECT_NEAR(last(AnnealSchedule::hajek), 100 * std::log(2.0) / std::log(12.0), 1e-9);
 }
 
-TEST(anneal, snapshots_are_bijections_at_their_steps) {
+TEST(Anneal, SnapshotsAreBijectionsAtTheirSteps) {
     const RetargetProblem problem(mask(8, 8), config({5, 3}, 3));
     AnnealConfig c;
     c.steps = 10000;
@@ -169,7 +169,7 @@ TEST(anneal, snapshots_are_bijections_at_their_steps) {
     EXPECT_EQ(steps, (std::vector<int64_t>{3000, 6000, 9000}));
 }
 
-TEST(anneal, refuses_nonsense) {
+TEST(Anneal, RefusesNonsense) {
     const RetargetProblem problem(mask(4, 4), config({1, 1}, 1));
     Progress progress;
     AnnealConfig c;
@@ -182,7 +182,7 @@ TEST(anneal, refuses_nonsense) {
     EXPECT_THROW(RetargetProblem(mask(4, 4), config({1, 1}, 60, {61, 0})), Error);
 }
 
-TEST(retarget_file, comes_back_from_both_formats) {
+TEST(RetargetFile, ComesBackFromBothFormats) {
     const Mask tile = mask(9, 7);
     const RetargetProblem problem(tile, config({4, 3}, 2, {-3, 2}));
     const RetargetTexture texture = exact_retarget_texture(tile, problem.config());
@@ -201,7 +201,7 @@ TEST(retarget_file, comes_back_from_both_formats) {
     }
 }
 
-TEST(retarget_file, refuses_what_is_no_bijection_and_no_texture) {
+TEST(RetargetFile, RefusesWhatIsNoBijectionAndNoTexture) {
     RetargetTexture texture{Array2D<Imath::V2i>(4, 4, {0, 0}), {1, 1}, {0, 0}, 2, "", {}, 0};
     texture.moves(1, 1) = {1, 0};
     EXPECT_THROW(retarget_textures({retarget_image(texture, RetargetEncoding::exr)}, "r"), Error);
@@ -214,7 +214,7 @@ TEST(retarget_file, refuses_what_is_no_bijection_and_no_texture) {
     EXPECT_THROW(retarget_textures({Image(4, 4)}, "r"), Error);
 }
 
-TEST(offsets, lattice_steps_are_coprime_and_next_to_r2) {
+TEST(Offsets, LatticeStepsAreCoprimeAndNextToR2) {
     EXPECT_EQ(lattice_step(64, 64), Imath::V2i(49, 37));
     EXPECT_EQ(lattice_step(1, 1), Imath::V2i(0, 0));
     for (int n = 2; n < 200; ++n)
@@ -227,7 +227,7 @@ TEST(offsets, lattice_steps_are_coprime_and_next_to_r2) {
     EXPECT_EQ(mask_offset(offsets, 64), Imath::V2i(0, 0));
 }
 
-TEST(offsets, jumps_take_all_places_before_they_come_back) {
+TEST(Offsets, JumpsTakeAllPlacesBeforeTheyComeBack) {
     for (const int height : {1, 7, 64, 61}) {
         const MaskOffsets offsets = mask_offsets(OffsetKind::lattice, 16, height);
         std::set<int> seen;
@@ -242,7 +242,7 @@ TEST(offsets, jumps_take_all_places_before_they_come_back) {
 }
 
 // 36.5 % of the steps of int(t N / g) are (48, 36); the rest is what one texture does not fit.
-TEST(offsets, truncated_r2_takes_four_steps) {
+TEST(Offsets, TruncatedR2TakesFourSteps) {
     const MaskOffsets r2 = mask_offsets(OffsetKind::r2, 64, 64);
     const std::vector<Imath::V2i> steps = retarget_steps(r2);
     EXPECT_EQ(steps.size(), 4u);

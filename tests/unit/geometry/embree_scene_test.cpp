@@ -77,7 +77,7 @@ void expect_same_hits(const Scene& instances, const Scene& copies) {
     EXPECT_LT(different, 4);
 }
 
-TEST(embree_scene, instances_are_met_like_copies) {
+TEST(EmbreeScene, InstancesAreMetLikeCopies) {
     const M44d first = rotated(V3d(1, 2, 3).normalized(), 0.5);
     for (const M44d& second :
          {translated({3, 1, 0}), scaled({1e-2, 2, 0.5}) * translated({3, 1, 0}),
@@ -85,7 +85,7 @@ TEST(embree_scene, instances_are_met_like_copies) {
         expect_same_hits(two_nodes(first, second, true), two_nodes(first, second, false));
 }
 
-TEST(embree_scene, fronts_stay_outside_when_a_node_mirrors) {
+TEST(EmbreeScene, FrontsStayOutsideWhenANodeMirrors) {
     for (const bool shared : {false, true})
         for (const V3d& scale : {V3d(1), V3d(-1, 1, 1), V3d(1, -0.5, 1), V3d(-1), V3d(-2, -1, 1)}) {
             const Posed posed(two_nodes(scaled(scale), translated({9, 0, 0}), shared));
@@ -100,7 +100,7 @@ TEST(embree_scene, fronts_stay_outside_when_a_node_mirrors) {
 }
 
 // A node may squash a mesh to a sheet or to nothing: what is left is met, and nothing is NaN.
-TEST(embree_scene, singular_transforms_leave_a_sheet) {
+TEST(EmbreeScene, SingularTransformsLeaveASheet) {
     for (const double thickness : {0.0, 1e-30, 1e-12})
         for (const bool shared : {false, true}) {
             const Posed posed(two_nodes(scaled({1, thickness, 1}), translated({9, 0, 0}), shared));
@@ -127,7 +127,7 @@ TEST(embree_scene, singular_transforms_leave_a_sheet) {
     }
 }
 
-TEST(embree_scene, flat_implicit_shapes_are_left_out) {
+TEST(EmbreeScene, FlatImplicitShapesAreLeftOut) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
     b.place_shape({}, scaled({1, 0, 1}));
@@ -162,7 +162,7 @@ Scene half_transparent(AlphaMode mode, bool shared, uint8_t right_alpha) {
     return b.scene;
 }
 
-TEST(embree_scene, masks_cut_holes_for_both_kinds_of_rays) {
+TEST(EmbreeScene, MasksCutHolesForBothKindsOfRays) {
     for (const bool shared : {false, true}) {
         const Scene scene = half_transparent(AlphaMode::mask, shared, 100);
         const PosedScene posed(scene, render_space_of(scene, kOne), 0, kOne);
@@ -178,7 +178,7 @@ TEST(embree_scene, masks_cut_holes_for_both_kinds_of_rays) {
     }
 }
 
-TEST(embree_scene, blending_stops_rays_in_proportion_to_alpha) {
+TEST(EmbreeScene, BlendingStopsRaysInProportionToAlpha) {
     const Scene scene = half_transparent(AlphaMode::blend, false, 64);
     const PosedScene posed(scene, render_space_of(scene, kOne), 0, kOne);
     int stopped = 0;
@@ -196,7 +196,7 @@ TEST(embree_scene, blending_stops_rays_in_proportion_to_alpha) {
 }
 
 // Two crossings of a blended sphere: each lets 1 - alpha through.
-TEST(embree_scene, blending_holds_for_implicit_shapes) {
+TEST(EmbreeScene, BlendingHoldsForImplicitShapes) {
     SceneBuilder b;
     Material m = lambert(V3f(1));
     m.alpha_mode = AlphaMode::blend;
@@ -240,7 +240,7 @@ void expect_packets_equal_single_rays(const PosedScene& posed) {
     EXPECT_LT(blocked, rays_traced - 100);
 }
 
-TEST(embree_scene, packets_of_shadow_rays_find_what_single_rays_find) {
+TEST(EmbreeScene, PacketsOfShadowRaysFindWhatSingleRaysFind) {
     for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend})
         for (const bool shared : {false, true}) {
             const Scene scene = half_transparent(mode, shared, 100);

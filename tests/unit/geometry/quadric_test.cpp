@@ -53,7 +53,7 @@ V3d random_point(CounterRandom& random, double extent) {
 }
 
 // Walks along the ray: the first hit is where the shape's inside begins or ends.
-TEST(quadric, first_hit_is_the_first_change_of_side) {
+TEST(Quadric, FirstHitIsTheFirstChangeOfSide) {
     constexpr int kSteps = 2000;
     for (size_t s = 0; s < shapes().size(); ++s) {
         const ImplicitShape& shape = shapes()[s];
@@ -87,7 +87,7 @@ TEST(quadric, first_hit_is_the_first_change_of_side) {
     }
 }
 
-TEST(quadric, respects_both_ends_of_the_ray) {
+TEST(Quadric, RespectsBothEndsOfTheRay) {
     const auto from = V3d(0, 0, 3), along = V3d(0, 0, -1);
     EXPECT_DOUBLE_EQ(intersect_shape(sphere(1), from, along, 0, 10)->t, 2);
     EXPECT_DOUBLE_EQ(intersect_shape(sphere(1), from, along, 2, 10)->t, 4);
@@ -97,7 +97,7 @@ TEST(quadric, respects_both_ends_of_the_ray) {
 }
 
 // From a million radii away the chord still has ten digits, whatever the direction's length.
-TEST(quadric, keeps_its_digits_from_far_away) {
+TEST(Quadric, KeepsItsDigitsFromFarAway) {
     for (const double distance : {1e3, 1e6})
         for (const double speed : {1e-3, 1.0, 1e3}) {
             const V3d along = V3d(0.6, 0, 0.8) * speed;
@@ -115,7 +115,7 @@ TEST(quadric, keeps_its_digits_from_far_away) {
 }
 
 // Rays at a distance of 1 +- 1e-9 from the centre of the unit sphere.
-TEST(quadric, grazing_rays_meet_or_miss) {
+TEST(Quadric, GrazingRaysMeetOrMiss) {
     for (const double offset : {1e-3, 1e-6, 1e-9}) {
         EXPECT_TRUE(intersect_shape(sphere(1), {1 - offset, 0, -5}, {0, 0, 1}, 0, 10));
         EXPECT_FALSE(intersect_shape(sphere(1), {1 + offset, 0, -5}, {0, 0, 1}, 0, 10));
@@ -145,7 +145,7 @@ double volume(const ImplicitShape& shape) {
 }
 
 // The divergence theorem: over a closed surface n sums to 0, and p . n to thrice the volume.
-TEST(quadric, uniform_points_fill_the_surface_evenly) {
+TEST(Quadric, UniformPointsFillTheSurfaceEvenly) {
     constexpr int kSide = 300;
     for (size_t s = 0; s < shapes().size(); ++s) {
         const ImplicitShape& shape = shapes()[s];
@@ -164,7 +164,7 @@ TEST(quadric, uniform_points_fill_the_surface_evenly) {
     }
 }
 
-TEST(quadric, uniform_points_have_the_coordinates_of_hits) {
+TEST(Quadric, UniformPointsHaveTheCoordinatesOfHits) {
     CounterRandom random(5, 0);
     for (size_t s = 0; s < shapes().size(); ++s)
         for (int i = 0; i < 200; ++i) {
@@ -179,7 +179,7 @@ TEST(quadric, uniform_points_have_the_coordinates_of_hits) {
         }
 }
 
-TEST(quadric, equals_a_fine_mesh_under_any_transform) {
+TEST(Quadric, EqualsAFineMeshUnderAnyTransform) {
     const Workers workers(1);
     const M44d transforms[] = {
         M44d(), scaled({2, 0.1, 0.5}) * rotated(V3d(1, 1, 0).normalized(), 0.8),

@@ -63,11 +63,11 @@ Header good(int32_t width = 4, int32_t height = 4) {
     return header;
 }
 
-TEST(exr_check, takes_a_whole_header) {
+TEST(ExrCheck, TakesAWholeHeader) {
     EXPECT_EQ(good().answer(), "");
 }
 
-TEST(exr_check, refuses_every_header_that_ends_early) {
+TEST(ExrCheck, RefusesEveryHeaderThatEndsEarly) {
     const std::string whole = good().bytes;
     for (size_t size = 8; size < whole.size(); ++size) {
         const auto part = std::as_bytes(std::span(whole.data(), size));
@@ -75,7 +75,7 @@ TEST(exr_check, refuses_every_header_that_ends_early) {
     }
 }
 
-TEST(exr_check, refuses_attributes_larger_than_the_file) {
+TEST(ExrCheck, RefusesAttributesLargerThanTheFile) {
     for (const int32_t size : {-1, 100000, 0x7fffffff}) {
         Header header = good();
         header.add("comment", "string", "", size);
@@ -86,7 +86,7 @@ TEST(exr_check, refuses_attributes_larger_than_the_file) {
     EXPECT_NE(header.answer(), "");
 }
 
-TEST(exr_check, refuses_more_pixels_than_limits_or_bytes_allow) {
+TEST(ExrCheck, RefusesMorePixelsThanLimitsOrBytesAllow) {
     EXPECT_NE(good(1 << 28, 4).answer(), "");
     EXPECT_NE(good(4, 100000).answer(), ""); // a table of 100000 chunks in 4096 bytes
     EXPECT_EQ(good(4, 500).answer(), "");
@@ -97,7 +97,7 @@ TEST(exr_check, refuses_more_pixels_than_limits_or_bytes_allow) {
     EXPECT_NE(header.answer(), "");
 }
 
-TEST(exr_check, refuses_attributes_that_do_not_fill_their_size) {
+TEST(ExrCheck, RefusesAttributesThatDoNotFillTheirSize) {
     const std::string channel =
         std::string("Y\0", 2) + Header::packed(2, 0, 1, 1) + std::string(1, '\0');
     for (const auto& [type, value] : {std::pair{"chlist", channel + "x"},
@@ -111,7 +111,7 @@ TEST(exr_check, refuses_attributes_that_do_not_fill_their_size) {
     }
 }
 
-TEST(exr_check, refuses_tiles_of_no_size_and_larger_than_the_image) {
+TEST(ExrCheck, RefusesTilesOfNoSizeAndLargerThanTheImage) {
     for (const auto& [width, height, taken] : {std::tuple{0u, 4u, false},
                                                {4u, 0u, false},
                                                {64u, 64u, true},
@@ -122,7 +122,7 @@ TEST(exr_check, refuses_tiles_of_no_size_and_larger_than_the_image) {
     }
 }
 
-TEST(exr_check, refuses_channels_and_compressions_that_do_not_exist) {
+TEST(ExrCheck, RefusesChannelsAndCompressionsThatDoNotExist) {
     for (const auto& [type, sampling, compression] :
          {std::tuple{3, 1, 0}, {-1, 1, 0}, {2, 0, 0}, {2, -5, 0}, {2, 1, 10}, {2, 1, 127}}) {
         Header header;

@@ -18,7 +18,7 @@ Image part(const std::string& name, float value) {
     return image;
 }
 
-TEST(image_parts, come_back_with_names_channels_and_metadata) {
+TEST(ImageParts, ComeBackWithNamesChannelsAndMetadata) {
     const std::string path = testing::TempDir() + "image_parts_test.exr";
     const std::vector<Image> written = {part("motion_-1_0", 10), part("motion_0_0", 20)};
     write_image_parts(path, written);

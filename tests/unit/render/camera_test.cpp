@@ -35,7 +35,7 @@ V3d along(const PixelCamera& camera, double x, double y, double metres) {
     return kSpace.to_world(V3d(ray.origin) + V3d(ray.direction) * metres * kSpace.scale);
 }
 
-TEST(camera, points_on_the_ray_of_a_pixel_project_to_it) {
+TEST(Camera, PointsOnTheRayOfAPixelProjectToIt) {
     for (const Camera& kind : {perspective(), orthographic()}) {
         const PixelCamera camera(kind, kPose, kSpace, kWidth, kHeight);
         for (const auto& [x, y] : {std::pair{0.0, 0.0}, {64.0, 48.0}, {10.25, 40.75}, {32.0, 24.0}})
@@ -49,7 +49,7 @@ TEST(camera, points_on_the_ray_of_a_pixel_project_to_it) {
 }
 
 // By hand: the camera at (2, -1, 3) unturned, a point 4 m ahead, 1 m to the right, 0.5 m up.
-TEST(camera, projects_as_computed_by_hand) {
+TEST(Camera, ProjectsAsComputedByHand) {
     const PixelCamera camera(perspective(), translated({2, -1, 3}), kSpace, kWidth, kHeight);
     const auto there = camera.project({3, -0.5, -1});
     const double focal_px = kHeight / 2 / std::tan(0.35);
@@ -60,7 +60,7 @@ TEST(camera, projects_as_computed_by_hand) {
     EXPECT_NEAR(behind.depth, -2, 1e-12);
 }
 
-TEST(camera, exr_matrices_project_points_to_their_pixels) {
+TEST(Camera, ExrMatricesProjectPointsToTheirPixels) {
     for (const Camera& kind : {perspective(), orthographic()}) {
         const PixelCamera camera(kind, kPose, kSpace, kWidth, kHeight);
         for (const auto& [x, y] : {std::pair{5.0, 7.0}, {60.5, 3.25}}) {
@@ -78,7 +78,7 @@ TEST(camera, exr_matrices_project_points_to_their_pixels) {
 }
 
 // The matrix has the accuracy of its float entries, not of products of rounded ones.
-TEST(camera, exr_matrices_keep_float_accuracy_away_from_the_origin) {
+TEST(Camera, ExrMatricesKeepFloatAccuracyAwayFromTheOrigin) {
     const M44d pose = rotated({0, 1, 0}, 0.7) * translated({1000, 20, -3000});
     const PixelCamera camera(perspective(), pose, {{1000, 20, -3000}, 0.25}, kWidth, kHeight);
     V3d world;
@@ -91,7 +91,7 @@ TEST(camera, exr_matrices_keep_float_accuracy_away_from_the_origin) {
     EXPECT_NEAR(ndc.y * kHeight, exact.y, 0.01);
 }
 
-TEST(camera, scale_of_the_node_changes_nothing) {
+TEST(Camera, ScaleOfTheNodeChangesNothing) {
     const PixelCamera plain(perspective(), kPose, kSpace, kWidth, kHeight);
     const PixelCamera large(perspective(), scaled(V3d(7)) * kPose, kSpace, kWidth, kHeight);
     const auto a = plain.project({1, 2, -4}), b = large.project({1, 2, -4});
@@ -101,7 +101,7 @@ TEST(camera, scale_of_the_node_changes_nothing) {
 }
 
 // From 1e5 scene sizes away: the rays start near the scene and still go through their points.
-TEST(camera, far_cameras_keep_their_aim) {
+TEST(Camera, FarCamerasKeepTheirAim) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(0.5f))));
     RenderConfig config;

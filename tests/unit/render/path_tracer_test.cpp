@@ -29,7 +29,7 @@ void expect_same_bytes(const Image& a, const Image& b) {
 
 constexpr uint32_t kAllAovs = 0x1ff;
 
-TEST(path_tracer, threads_change_no_byte) {
+TEST(PathTracer, ThreadsChangeNoByte) {
     RenderConfig config;
     config.spp = 4;
     config.aovs = kAllAovs;
@@ -45,7 +45,7 @@ TEST(path_tracer, threads_change_no_byte) {
     EXPECT_EQ(one.rays.camera, 50u * 37u * 4u);
 }
 
-TEST(path_tracer, other_seeds_give_another_image) {
+TEST(PathTracer, OtherSeedsGiveAnotherImage) {
     const RenderConfig config;
     const Image a = render_scene(lit_box(), cornell_view(16), config, 1).image;
     const Image b = render_scene(lit_box(), cornell_view(16), config, 2).image;
@@ -64,7 +64,7 @@ FrameResult render_with_seeds(const Scene& scene, const View& view, const Render
 
 // Far away from a wide wall under an even light every pixel sees the same: the value follows from
 // the seed alone, wherever it lies.
-TEST(path_tracer, a_seed_takes_its_value_along_to_another_pixel) {
+TEST(PathTracer, ASeedTakesItsValueAlongToAnotherPixel) {
     SceneBuilder b;
     b.add_quad({-500, -500, 0}, {1000, 0, 0}, {0, 1000, 0}, b.add_material(lambert(V3f(0.5f))));
     b.add_quad({-500, -500, 900}, {0, 1000, 0}, {1000, 0, 0}, b.add_material(emitter(V3f(1))));
@@ -90,7 +90,7 @@ TEST(path_tracer, a_seed_takes_its_value_along_to_another_pixel) {
     EXPECT_LT(dark, 60);
 }
 
-TEST(path_tracer, equal_seeds_give_equal_random_numbers_in_every_pixel) {
+TEST(PathTracer, EqualSeedsGiveEqualRandomNumbersInEveryPixel) {
     SceneBuilder b;
     b.add_quad({-500, -500, 0}, {1000, 0, 0}, {0, 1000, 0}, b.add_material(lambert(V3f(0.5f))));
     b.add_quad({-500, -500, 900}, {0, 1000, 0}, {1000, 0, 0}, b.add_material(emitter(V3f(1))));
@@ -102,7 +102,7 @@ TEST(path_tracer, equal_seeds_give_equal_random_numbers_in_every_pixel) {
         EXPECT_NEAR(value, (*image.find("R"))[0], 1e-4f);
 }
 
-TEST(path_tracer, direct_and_indirect_add_up) {
+TEST(PathTracer, DirectAndIndirectAddUp) {
     RenderConfig config;
     config.spp = 8;
     config.aovs = kAovDirect | kAovIndirect;
@@ -122,7 +122,7 @@ TEST(path_tracer, direct_and_indirect_add_up) {
 }
 
 // The same light without the noise of the choice.
-TEST(path_tracer, all_lights_at_the_first_vertex_change_nothing_but_the_noise) {
+TEST(PathTracer, AllLightsAtTheFirstVertexChangeNothingButTheNoise) {
     SceneBuilder b;
     b.scene = cornell(lambert(V3f(0.5f)), emitter(V3f(12, 10, 8)));
     b.place_light(point_light(V3d(1, 2, 3)), translated({0.3, 0.3, 0.3}));
@@ -141,7 +141,7 @@ TEST(path_tracer, all_lights_at_the_first_vertex_change_nothing_but_the_noise) {
 }
 
 // The variance channel says how far means of other seeds scatter.
-TEST(path_tracer, variance_channel_is_the_variance_of_the_mean) {
+TEST(PathTracer, VarianceChannelIsTheVarianceOfTheMean) {
     RenderConfig config;
     config.spp = 8;
     config.aovs = kAovVariance;
@@ -161,7 +161,7 @@ TEST(path_tracer, variance_channel_is_the_variance_of_the_mean) {
 }
 
 // A floor one metre below the camera, seen straight down: everything follows from the pixel.
-TEST(path_tracer, surface_channels_agree_with_projection_by_hand) {
+TEST(PathTracer, SurfaceChannelsAgreeWithProjectionByHand) {
     SceneBuilder b;
     b.add_quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, b.add_material(lambert({0.1f, 0.5f, 0.9f})));
     b.place_light(point_light(V3d(1)), translated({0, 0, 2}));
@@ -246,7 +246,7 @@ struct MovingScene {
     const double focal_px = kSize / 2 / std::tan(0.3);
 };
 
-TEST(path_tracer, motion_follows_a_moving_camera) {
+TEST(PathTracer, MotionFollowsAMovingCamera) {
     MovingScene scene;
     scene.builder.scene.animation = {moving(scene.eye, {0, 0, 5}, {1, -0.5, 5})};
     const Image image = scene.frame(0, 0.25); // the camera goes 0.25 m right and 0.125 m down
@@ -265,7 +265,7 @@ TEST(path_tracer, motion_follows_a_moving_camera) {
     EXPECT_GT(wall, 50);
 }
 
-TEST(path_tracer, motion_follows_a_moving_block) {
+TEST(PathTracer, MotionFollowsAMovingBlock) {
     MovingScene scene;
     scene.builder.scene.animation = {moving(scene.block, {0, 0, 1}, {0.4, 0.8, 1})};
     const Image image = scene.frame(0, 0.25);
@@ -283,7 +283,7 @@ TEST(path_tracer, motion_follows_a_moving_block) {
                       later_ids(int(x + 0.5 + double(mx(x, y))), int(y + 0.5 + double(my(x, y)))));
 }
 
-TEST(path_tracer, a_frame_does_not_know_the_frames_before_it) {
+TEST(PathTracer, AFrameDoesNotKnowTheFramesBeforeIt) {
     MovingScene scene;
     scene.builder.scene.animation = {moving(scene.block, {0, 0, 1}, {0.4, 0.8, 1})};
     scene.frame(0, 0.25);
@@ -292,7 +292,7 @@ TEST(path_tracer, a_frame_does_not_know_the_frames_before_it) {
     expect_same_bytes(in_sequence, fresh.frame(0.25, 0.5));
 }
 
-TEST(path_tracer, samples_that_are_not_finite_are_dropped_and_counted) {
+TEST(PathTracer, SamplesThatAreNotFiniteAreDroppedAndCounted) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0},
                b.add_material(emitter(V3f(std::numeric_limits<float>::quiet_NaN(), 1, 1))));
@@ -304,7 +304,7 @@ TEST(path_tracer, samples_that_are_not_finite_are_dropped_and_counted) {
 }
 
 // Cameras, lights and surfaces in each other's way: nothing that is not finite comes out.
-TEST(path_tracer, degenerate_scenes_give_finite_images) {
+TEST(PathTracer, DegenerateScenesGiveFiniteImages) {
     SceneBuilder b;
     b.scene = cornell(glossy(V3f(0.3f), 0.6f, 1e6f), emitter(V3f(5)));
     const int bright = b.add_material(emitter(V3f(3)));
@@ -331,14 +331,14 @@ TEST(path_tracer, degenerate_scenes_give_finite_images) {
     }
 }
 
-TEST(path_tracer, kernels_follow_from_the_materials) {
+TEST(PathTracer, KernelsFollowFromTheMaterials) {
     EXPECT_EQ(choose_kernel(cornell(lambert(V3f(1)), emitter(V3f(1)))).name, "diffuse");
     EXPECT_EQ(choose_kernel(cornell(metal(0.5f), emitter(V3f(1)))).name, "all lobes");
     EXPECT_EQ(choose_kernel(cornell(glass(1.5f), emitter(V3f(1)))).name, "all lobes");
 }
 
 // The same scene through a larger kernel gives the same image.
-TEST(path_tracer, larger_kernels_give_the_same_image) {
+TEST(PathTracer, LargerKernelsGiveTheSameImage) {
     const Scene small = cornell(lambert(V3f(0.5f)), emitter(V3f(12)));
     Scene large = small;
     large.materials.push_back(glass(1.5f)); // on no surface
@@ -350,7 +350,7 @@ TEST(path_tracer, larger_kernels_give_the_same_image) {
         EXPECT_NEAR((*a.find("R"))[i], (*b.find("R"))[i], 1e-4f * (1 + (*a.find("R"))[i]));
 }
 
-TEST(film, aov_names_are_parsed) {
+TEST(Film, AovNamesAreParsed) {
     EXPECT_EQ(parse_aovs("depth,normal"), uint32_t(kAovDepth | kAovNormal));
     EXPECT_EQ(parse_aovs("all"), kAllAovs);
     EXPECT_THROW(parse_aovs("depth,shine"), Error);

@@ -25,7 +25,7 @@ std::vector<ReflectiveShadowMap> two_maps() {
     return maps;
 }
 
-TEST(rsm_flux_table, texels_are_chosen_by_flux) {
+TEST(RsmFluxTable, TexelsAreChosenByFlux) {
     const auto maps = two_maps();
     const FluxTable table(maps);
     constexpr uint32_t kDraws = 200000;
@@ -51,7 +51,7 @@ TEST(rsm_flux_table, texels_are_chosen_by_flux) {
     EXPECT_GT(chi_square_test(counts, expected).p_value, 1e-3);
 }
 
-TEST(rsm_flux_table, cells_of_large_maps_are_chosen_by_flux_and_evenly_inside) {
+TEST(RsmFluxTable, CellsOfLargeMapsAreChosenByFluxAndEvenlyInside) {
     // 288 texels make 96 cells of 3, and 286 make 95 and a third.
     for (const int size : {286, 288}) {
         std::vector<ReflectiveShadowMap> maps = two_maps();
@@ -84,7 +84,7 @@ TEST(rsm_flux_table, cells_of_large_maps_are_chosen_by_flux_and_evenly_inside) {
     }
 }
 
-TEST(rsm_flux_table, the_ends_of_the_unit_interval_fall_on_lit_texels) {
+TEST(RsmFluxTable, TheEndsOfTheUnitIntervalFallOnLitTexels) {
     const auto maps = two_maps();
     const FluxTable table(maps);
     for (const double row : {0.0, 0.25, 0.5, 1 - 0x1p-53})
@@ -94,7 +94,7 @@ TEST(rsm_flux_table, the_ends_of_the_unit_interval_fall_on_lit_texels) {
         }
 }
 
-TEST(rsm_flux_table, maps_without_flux_give_an_empty_table) {
+TEST(RsmFluxTable, MapsWithoutFluxGiveAnEmptyTable) {
     auto maps = two_maps();
     for (ReflectiveShadowMap& map : maps)
         map.texels = Texels(9);

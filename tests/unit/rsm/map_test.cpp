@@ -37,7 +37,7 @@ Stage lit_box(Light::Kind kind, double unit = 1, double degrees = 60) {
     return Stage(b, 4, {0, 0, 0.9}, {0, 0, 0});
 }
 
-TEST(rsm_map, a_point_light_in_a_closed_box_reflects_albedo_times_its_power) {
+TEST(RsmMap, APointLightInAClosedBoxReflectsAlbedoTimesItsPower) {
     for (const double unit : {1e-3, 1.0, 1e3}) {
         const Stage stage = lit_box(Light::Kind::point, unit);
         EXPECT_NEAR(flux_watts(stage, {.size = 32}) / (0.5 * 4 * kPiD * 7 * unit * unit), 1, 1e-4);
@@ -47,7 +47,7 @@ TEST(rsm_map, a_point_light_in_a_closed_box_reflects_albedo_times_its_power) {
     }
 }
 
-TEST(rsm_map, a_spot_light_in_a_closed_box_reflects_albedo_times_its_power) {
+TEST(RsmMap, ASpotLightInAClosedBoxReflectsAlbedoTimesItsPower) {
     // The integral of cos^2 over the cone: 2 pi (1 - cos^3) / 3.
     const double power = 7 * 2 * kPiD * (1 - std::pow(0.5, 3)) / 3;
     const Stage stage = lit_box(Light::Kind::spot);
@@ -56,12 +56,12 @@ TEST(rsm_map, a_spot_light_in_a_closed_box_reflects_albedo_times_its_power) {
                 0.01);
 }
 
-TEST(rsm_map, a_cone_of_90_degrees_is_a_half_space) {
+TEST(RsmMap, AConeOf90DegreesIsAHalfSpace) {
     const Stage stage = lit_box(Light::Kind::spot, 1, 90);
     EXPECT_NEAR(flux_watts(stage, {.size = 64}) / (0.5 * 7 * 2 * kPiD / 3), 1, 1e-2);
 }
 
-TEST(rsm_map, a_light_without_intensity_or_cone_gets_no_map) {
+TEST(RsmMap, ALightWithoutIntensityOrConeGetsNoMap) {
     Builder b = spot_room();
     b.light(Light::Kind::point, {0, 0, 0}, {0, 0, -1}, 0);
     b.light(Light::Kind::spot, {0, 0, 0}, {0, 0, -1}, 1).outer_angle = 0;
@@ -69,7 +69,7 @@ TEST(rsm_map, a_light_without_intensity_or_cone_gets_no_map) {
     EXPECT_EQ(stage.maps({.size = 4}).size(), 1u);
 }
 
-TEST(rsm_map, layers_are_in_the_units_of_the_scene) {
+TEST(RsmMap, LayersAreInTheUnitsOfTheScene) {
     for (const double unit : {0.01, 1.0, 100.0}) {
         const Stage stage = lit_box(Light::Kind::point, unit);
         const auto images =
@@ -91,7 +91,7 @@ TEST(rsm_map, layers_are_in_the_units_of_the_scene) {
     }
 }
 
-TEST(rsm_map, texels_that_see_nothing_are_zero_in_files) {
+TEST(RsmMap, TexelsThatSeeNothingAreZeroInFiles) {
     Builder b;
     b.quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, b.material(V3f(0.5f)));
     b.light(Light::Kind::point, {0, 1, 0}, {0, 0, -1}, 1);
@@ -110,7 +110,7 @@ TEST(rsm_map, texels_that_see_nothing_are_zero_in_files) {
     }
 }
 
-TEST(rsm_map, jittered_texels_change_with_the_pass_and_centred_ones_do_not) {
+TEST(RsmMap, JitteredTexelsChangeWithThePassAndCentredOnesDoNot) {
     const Stage stage = lit_box(Light::Kind::point);
     const auto px = [&](TexelPoint point, uint32_t pass) {
         return stage.maps({.size = 4, .point = point, .pass = pass})[0].texels.px;
@@ -119,7 +119,7 @@ TEST(rsm_map, jittered_texels_change_with_the_pass_and_centred_ones_do_not) {
     EXPECT_NE(px(TexelPoint::jittered, 0), px(TexelPoint::jittered, 1));
 }
 
-TEST(rsm_mip_chain, every_level_of_any_size_keeps_the_mean_flux) {
+TEST(RsmMipChain, EveryLevelOfAnySizeKeepsTheMeanFlux) {
     const Stage stage(spot_room(), 4, {0.9, 0.8, 0.9}, {0, 0, 0});
     for (const int size : {1, 2, 7, 16, 27}) {
         const auto maps = stage.maps({.size = size});
@@ -135,7 +135,7 @@ TEST(rsm_mip_chain, every_level_of_any_size_keeps_the_mean_flux) {
     }
 }
 
-TEST(rsm_mip_chain, positions_in_a_level_lie_between_those_they_average) {
+TEST(RsmMipChain, PositionsInALevelLieBetweenThoseTheyAverage) {
     const Stage stage(spot_room(), 4, {0.9, 0.8, 0.9}, {0, 0, 0});
     const auto maps = stage.maps({.size = 8});
     const MipChain mips(maps[0]);
@@ -150,7 +150,7 @@ TEST(rsm_mip_chain, positions_in_a_level_lie_between_those_they_average) {
         }
 }
 
-TEST(rsm_gather, one_wall_and_one_texel_give_the_closed_form) {
+TEST(RsmGather, OneWallAndOneTexelGiveTheClosedForm) {
     // A narrow spot meets a wall head on at distance 2; the receiver looks back from the side.
     for (const double unit : {1e-4, 1.0, 1e4}) {
         Builder b;
@@ -185,7 +185,7 @@ TEST(rsm_gather, one_wall_and_one_texel_give_the_closed_form) {
     }
 }
 
-TEST(rsm_gather, full_equals_its_slow_twin) {
+TEST(RsmGather, FullEqualsItsSlowTwin) {
     const Stage stage(spot_room(), 8, {0.9, 0.8, 0.9}, {-0.3, -0.5, -0.3});
     // A size that leaves a part of a block over.
     const auto maps = stage.maps({.size = 13});
@@ -204,7 +204,7 @@ TEST(rsm_gather, full_equals_its_slow_twin) {
         }
 }
 
-TEST(rsm_gather, the_shadow_test_costs_one_ray_for_each_facing_lit_texel) {
+TEST(RsmGather, TheShadowTestCostsOneRayForEachFacingLitTexel) {
     const Stage stage(spot_room(), 4, {0.9, 0.8, 0.9}, {-0.3, -0.5, -0.3});
     const auto maps = stage.maps({.size = 8});
     const Gatherer gatherer(stage.posed().rays(), maps, {.gather = Gather::full});

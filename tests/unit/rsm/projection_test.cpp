@@ -61,7 +61,7 @@ double total_measure(const MapProjection& projection) {
     return sum;
 }
 
-TEST(rsm_projection, points_on_a_ray_lie_where_the_ray_came_from) {
+TEST(RsmProjection, PointsOnARayLieWhereTheRayCameFrom) {
     const World world = unit_world();
     for (const double degrees : {0.01, 20.0, 60.0, 89.0, 90.0, 120.0, 179.0})
         expect_round_trip(map_projections(spot(degrees), MapKind::equal_area, world)[0],
@@ -75,7 +75,7 @@ TEST(rsm_projection, points_on_a_ray_lie_where_the_ray_came_from) {
                 expect_round_trip(p);
 }
 
-TEST(rsm_projection, texels_of_equal_area_maps_share_the_cone_or_the_sphere_evenly) {
+TEST(RsmProjection, TexelsOfEqualAreaMapsShareTheConeOrTheSphereEvenly) {
     for (const double degrees : {0.1, 30.0, 90.0, 150.0}) {
         const auto p = map_projections(spot(degrees), MapKind::equal_area, unit_world())[0];
         const double s = std::sin(degrees / 360 * kPiD);
@@ -88,7 +88,7 @@ TEST(rsm_projection, texels_of_equal_area_maps_share_the_cone_or_the_sphere_even
     EXPECT_NEAR(total_measure(sphere[0]), 4 * kPiD, 1e-4);
 }
 
-TEST(rsm_projection, six_perspective_faces_cover_the_sphere_once) {
+TEST(RsmProjection, SixPerspectiveFacesCoverTheSphereOnce) {
     const auto faces =
         map_projections(of_kind(Light::Kind::point), MapKind::perspective, unit_world());
     ASSERT_EQ(faces.size(), 6u);
@@ -98,7 +98,7 @@ TEST(rsm_projection, six_perspective_faces_cover_the_sphere_once) {
     EXPECT_NEAR(sum / (4 * kPiD), 1, 1e-3);
 }
 
-TEST(rsm_projection, directional_maps_cover_the_bounds) {
+TEST(RsmProjection, DirectionalMapsCoverTheBounds) {
     const World world = unit_world();
     const auto p =
         map_projections(of_kind(Light::Kind::directional), MapKind::equal_area, world)[0];
@@ -114,11 +114,11 @@ TEST(rsm_projection, directional_maps_cover_the_bounds) {
     }
 }
 
-TEST(rsm_projection, cones_no_perspective_map_can_hold_are_refused) {
+TEST(RsmProjection, ConesNoPerspectiveMapCanHoldAreRefused) {
     EXPECT_THROW(map_projections(spot(90), MapKind::perspective, unit_world()), Error);
 }
 
-TEST(rsm_projection, vertical_lights_have_a_view_too) {
+TEST(RsmProjection, VerticalLightsHaveAViewToo) {
     MapLight light = spot(30);
     light.axis = {0, -1, 0};
     expect_round_trip(map_projections(light, MapKind::equal_area, unit_world())[0]);

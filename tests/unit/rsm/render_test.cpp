@@ -50,7 +50,7 @@ Stage closed_box_beside_a_lit_floor() {
     return Stage(b, 12, {0.3, 0.2, 0.3}, {-0.4, 0.1, -0.3});
 }
 
-TEST(rsm_render, without_the_shadow_test_light_passes_through_walls_and_with_it_none_does) {
+TEST(RsmRender, WithoutTheShadowTestLightPassesThroughWallsAndWithItNoneDoes) {
     const Stage stage = closed_box_beside_a_lit_floor();
     for (RsmConfig config : every_gather(32)) {
         config.gather.radius = 2;
@@ -61,7 +61,7 @@ TEST(rsm_render, without_the_shadow_test_light_passes_through_walls_and_with_it_
     }
 }
 
-TEST(rsm_render, the_unit_of_length_does_not_matter) {
+TEST(RsmRender, TheUnitOfLengthDoesNotMatter) {
     const Stage metres(spot_room(), 12, kFrom, kAt);
     for (const RsmConfig& base : every_gather(16)) {
         if (base.gather.weights == PatternWeights::thesis) continue;
@@ -81,7 +81,7 @@ TEST(rsm_render, the_unit_of_length_does_not_matter) {
     }
 }
 
-TEST(rsm_render, light_scales_exactly_with_powers_of_two) {
+TEST(RsmRender, LightScalesExactlyWithPowersOfTwo) {
     const auto lit = [&](double factor) {
         Builder b = spot_room();
         b.scene.lights[0].intensity *= factor;
@@ -95,7 +95,7 @@ TEST(rsm_render, light_scales_exactly_with_powers_of_two) {
     }
 }
 
-TEST(rsm_render, lights_add_up) {
+TEST(RsmRender, LightsAddUp) {
     Builder first = spot_room(), second = spot_room(), both = spot_room();
     second.scene.nodes.pop_back();
     second.scene.lights.clear();
@@ -114,7 +114,7 @@ TEST(rsm_render, lights_add_up) {
                         1e-5 * ((*sum.find(name))[i] + 1e-3));
 }
 
-TEST(rsm_render, the_number_of_threads_changes_no_bit) {
+TEST(RsmRender, TheNumberOfThreadsChangesNoBit) {
     const Stage stage(spot_room(), 40, kFrom, kAt);
     const Workers one(1), three(3);
     for (RsmConfig config : every_gather(12))
@@ -129,14 +129,14 @@ TEST(rsm_render, the_number_of_threads_changes_no_bit) {
         }
 }
 
-TEST(rsm_render, direct_light_by_ray_is_that_of_the_path_tracer) {
+TEST(RsmRender, DirectLightByRayIsThatOfThePathTracer) {
     const Stage stage(spot_room(), 24, kFrom, kAt);
     EXPECT_NEAR(mean_of(stage.render(config_of(Gather::importance, 4, 1), 256), "direct.") /
                     mean_of(stage.reference(256), "direct."),
                 1, 0.01);
 }
 
-TEST(rsm_render, direct_light_by_map_nears_that_by_ray) {
+TEST(RsmRender, DirectLightByMapNearsThatByRay) {
     Builder b = spot_room();
     b.light(Light::Kind::point, {0.5, 0.6, 0.1}, {0, 0, -1}, 1);
     b.light(Light::Kind::directional, {0, 0, 0}, {0.2, -1, 0.1}, 1);
@@ -158,7 +158,7 @@ TEST(rsm_render, direct_light_by_map_nears_that_by_ray) {
     }
 }
 
-TEST(rsm_render, interpolation_saves_gathers_and_changes_little) {
+TEST(RsmRender, InterpolationSavesGathersAndChangesLittle) {
     const Stage stage(spot_room(), 48, kFrom, kAt);
     RsmConfig config = config_of(Gather::full, 12);
     config.pixel = PixelPoint::centre;
@@ -178,7 +178,7 @@ TEST(rsm_render, interpolation_saves_gathers_and_changes_little) {
     EXPECT_LT(difference / sum, 0.05);
 }
 
-TEST(rsm_render, only_the_diffuse_part_of_a_receiver_is_lit_by_the_map) {
+TEST(RsmRender, OnlyTheDiffusePartOfAReceiverIsLitByTheMap) {
     Builder plain = spot_room(), glossy = spot_room(), mirror = spot_room();
     for (Material& m : glossy.scene.materials) {
         m.ks = 0.3f;
@@ -196,7 +196,7 @@ TEST(rsm_render, only_the_diffuse_part_of_a_receiver_is_lit_by_the_map) {
     EXPECT_EQ(mean_of(Stage(mirror, 8, kFrom, kAt).render(config, 2), "indirect."), 0);
 }
 
-TEST(rsm_render, textures_and_coats_dim_what_the_map_sends) {
+TEST(RsmRender, TexturesAndCoatsDimWhatTheMapSends) {
     Builder textured = spot_room(), coated = spot_room();
     for (Mesh& mesh : textured.scene.meshes)
         mesh.uvs[0].assign(mesh.positions.size(), V2f(0.5f, 0.5f));
@@ -219,7 +219,7 @@ TEST(rsm_render, textures_and_coats_dim_what_the_map_sends) {
     EXPECT_LT(share, 0.95);
 }
 
-TEST(rsm_render, corners_stay_bounded) {
+TEST(RsmRender, CornersStayBounded) {
     // Without a bound the brightest pixel of a corner grows with the samples.
     const Stage stage(spot_room(), 24, {-0.7, -0.7, -0.7}, {-1, -1, -1}, 40);
     for (const int size : {4, 16, 64}) {
@@ -229,7 +229,7 @@ TEST(rsm_render, corners_stay_bounded) {
     }
 }
 
-TEST(rsm_render, extremes_give_finite_images) {
+TEST(RsmRender, ExtremesGiveFiniteImages) {
     struct Case {
         const char* name;
         std::function<void(Builder&)> change;
@@ -296,7 +296,7 @@ TEST(rsm_render, extremes_give_finite_images) {
     }
 }
 
-TEST(rsm_render, measuring_the_rays_leaves_the_image_as_it_is) {
+TEST(RsmRender, MeasuringTheRaysLeavesTheImageAsItIs) {
     const Stage stage(spot_room(), 12, kFrom, kAt);
     for (RsmConfig config : every_gather(8)) {
         const Image plain = stage.render(config, 1);
@@ -309,7 +309,7 @@ TEST(rsm_render, measuring_the_rays_leaves_the_image_as_it_is) {
     }
 }
 
-TEST(rsm_render, a_camera_that_sees_nothing_gives_black) {
+TEST(RsmRender, ACameraThatSeesNothingGivesBlack) {
     Builder b;
     b.quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, b.material(V3f(0.5f)));
     b.light(Light::Kind::point, {0, 1, 0}, {0, 0, -1}, 1);
@@ -318,7 +318,7 @@ TEST(rsm_render, a_camera_that_sees_nothing_gives_black) {
         EXPECT_EQ(mean_of(stage.render(config, 1), ""), 0);
 }
 
-TEST(rsm_render, the_weights_of_the_thesis_depend_on_the_unit_of_length) {
+TEST(RsmRender, TheWeightsOfTheThesisDependOnTheUnitOfLength) {
     // Its divisor is at least one square metre whatever the scene's size.
     const auto mean = [](double unit) {
         const Stage stage(spot_room(unit), 8, kFrom, kAt);

@@ -20,7 +20,7 @@ bool is_in_lattice(const V2f& v, int n, int step) {
     return std::abs(x - std::round(x)) < 1e-3 && std::min(off, 1 - off) < 1e-3;
 }
 
-TEST(rsm_samples, cells_of_lattices_are_of_area_one_nth_and_their_sides_are_points) {
+TEST(RsmSamples, CellsOfLatticesAreOfAreaOneNthAndTheirSidesArePoints) {
     for (const int n : {1, 2, 3, 4, 8, 12, 32, 50, 97, 200}) {
         const Lattice lattice = rank1_lattice(n);
         EXPECT_EQ(std::gcd(lattice.step, n), 1) << n;
@@ -33,7 +33,7 @@ TEST(rsm_samples, cells_of_lattices_are_of_area_one_nth_and_their_sides_are_poin
     }
 }
 
-TEST(rsm_samples, lattices_are_even) {
+TEST(RsmSamples, LatticesAreEven) {
     // No vector is shorter than two thirds of that of the hexagonal lattice.
     for (const int n : {8, 16, 50, 100, 113, 200}) {
         const LatticeCell cell = rank1_lattice(n).cell;
@@ -42,7 +42,7 @@ TEST(rsm_samples, lattices_are_even) {
     }
 }
 
-TEST(rsm_samples, a_disc_has_one_point_in_each_ring_however_it_is_shifted) {
+TEST(RsmSamples, ADiscHasOnePointInEachRingHoweverItIsShifted) {
     const DiscPoints disc = pattern_samples(100, 1, 2).disc;
     ASSERT_EQ(disc.size(), 100u);
     for (const float shift : {0.0f, 0.3f, 0.987f}) {
@@ -61,7 +61,7 @@ TEST(rsm_samples, a_disc_has_one_point_in_each_ring_however_it_is_shifted) {
     }
 }
 
-TEST(rsm_samples, a_shift_by_the_side_of_a_cell_changes_nothing) {
+TEST(RsmSamples, AShiftByTheSideOfACellChangesNothing) {
     const FluxPoints flux = importance_samples(42, 1, 2).flux;
     const auto sorted = [&](const V2f& shift) {
         std::vector<std::pair<int, int>> points; // in steps of 1/2100, rounded
@@ -83,14 +83,14 @@ TEST(rsm_samples, a_shift_by_the_side_of_a_cell_changes_nothing) {
     EXPECT_NE(sorted(flux.cell.shift({0.5f, 0.5f, 0})), before);
 }
 
-TEST(rsm_samples, passes_and_seeds_have_sets_of_their_own) {
+TEST(RsmSamples, PassesAndSeedsHaveSetsOfTheirOwn) {
     EXPECT_EQ(pattern_samples(5, 1, 2).disc.xi1, pattern_samples(5, 1, 2).disc.xi1);
     EXPECT_NE(pattern_samples(5, 1, 2).disc.xi1, pattern_samples(5, 1, 3).disc.xi1);
     EXPECT_NE(pattern_samples(5, 1, 2).disc.sine, pattern_samples(5, 2, 2).disc.sine);
     EXPECT_NE(importance_samples(5, 1, 2).flux.u, importance_samples(5, 1, 3).flux.u);
 }
 
-TEST(rsm_samples, importance_splits_its_samples_in_two) {
+TEST(RsmSamples, ImportanceSplitsItsSamplesInTwo) {
     for (const int n : {1, 2, 7}) {
         const PassSamples samples = importance_samples(n, 0, 0);
         EXPECT_EQ(int(samples.flux.size() + samples.disc.size()), n);
@@ -98,7 +98,7 @@ TEST(rsm_samples, importance_splits_its_samples_in_two) {
     }
 }
 
-TEST(rsm_samples, shifts_stay_below_one) {
+TEST(RsmSamples, ShiftsStayBelowOne) {
     EXPECT_LT(shifted(0x1.fffffep-1f, 0x1.fffffep-1f), 1);
     EXPECT_LT(shifted(1 - 0x1p-53, 0x1.fffffep-1f), 1);
     EXPECT_EQ(shifted(0.75f, 0.5f), 0.25f);
@@ -115,11 +115,11 @@ TEST(rsm_samples, shifts_stay_below_one) {
         }
 }
 
-TEST(rsm_samples, no_rotation_is_no_shift) {
+TEST(RsmSamples, NoRotationIsNoShift) {
     EXPECT_EQ((ShiftSource{}.place(3, 4, 5)), CellPlace{});
 }
 
-TEST(rsm_samples, a_mask_repeats_and_white_noise_does_not) {
+TEST(RsmSamples, AMaskRepeatsAndWhiteNoiseDoesNot) {
     Array2D<float> mask(4, 3);
     for (size_t i = 0; i < mask.size(); ++i)
         mask[i] = float(i) / 12;

@@ -24,7 +24,7 @@ Builder bumpy_room() {
     return b;
 }
 
-TEST(rsm_texel_level, places_are_texels_of_the_map_and_blocks_hold_them) {
+TEST(RsmTexelLevel, PlacesAreTexelsOfTheMapAndBlocksHoldThem) {
     const Stage stage(spot_room(), 4, {0.9, 0.8, 0.9}, {0, 0, 0});
     for (const int size : {1, 7, 96, 97, 200}) {
         const auto maps = stage.maps({.size = size});
@@ -49,7 +49,7 @@ TEST(rsm_texel_level, places_are_texels_of_the_map_and_blocks_hold_them) {
     }
 }
 
-TEST(rsm_texel_level, blocks_that_light_nothing_hold_no_texel_that_does) {
+TEST(RsmTexelLevel, BlocksThatLightNothingHoldNoTexelThatDoes) {
     uint64_t skipped = 0, unlit = 0;
     for (const bool bumpy : {false, true}) {
         const Stage stage(bumpy ? bumpy_room() : spot_room(), 12, {0.9, 0.8, 0.9},
@@ -79,7 +79,7 @@ TEST(rsm_texel_level, blocks_that_light_nothing_hold_no_texel_that_does) {
     EXPECT_GT(double(skipped) / double(unlit), 0.5);
 }
 
-TEST(rsm_texel_level, a_block_without_flux_lights_nothing) {
+TEST(RsmTexelLevel, ABlockWithoutFluxLightsNothing) {
     EXPECT_FALSE(TexelBlock().may_light({}));
     const TexelLevel level(Texels(25), 5);
     for (const TexelBlock& block : level.blocks)

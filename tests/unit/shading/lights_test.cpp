@@ -39,7 +39,7 @@ SceneBuilder three_emitters() {
     return b;
 }
 
-TEST(lights, densities_of_samples_are_those_asked_for_later) {
+TEST(Lights, DensitiesOfSamplesAreThoseAskedForLater) {
     const SceneBuilder b = three_emitters();
     const World world = world_of(b.scene);
     const EmbreeScene rays(world, nullptr, kOne);
@@ -64,7 +64,7 @@ TEST(lights, densities_of_samples_are_those_asked_for_later) {
 }
 
 // The mean of 1 / pdf over samples is the solid angle that the lights fill: by random directions.
-TEST(lights, samples_fill_the_solid_angle_of_the_emitters) {
+TEST(Lights, SamplesFillTheSolidAngleOfTheEmitters) {
     const SceneBuilder b = three_emitters();
     const World world = world_of(b.scene);
     const EmbreeScene rays(world, nullptr, kOne);
@@ -106,7 +106,7 @@ std::vector<uint64_t> counts_of(const std::map<float, uint64_t>& picks) {
 }
 
 // A few lights are picked in proportion to what they send: then all samples weigh the same.
-TEST(lights, few_are_chosen_by_irradiance) {
+TEST(Lights, FewAreChosenByIrradiance) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
     std::vector<double> expected;
@@ -132,7 +132,7 @@ TEST(lights, few_are_chosen_by_irradiance) {
 }
 
 // Many are picked in proportion to their power, wherever they are.
-TEST(lights, many_are_chosen_by_power) {
+TEST(Lights, ManyAreChosenByPower) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
     std::vector<double> expected;
@@ -148,7 +148,7 @@ TEST(lights, many_are_chosen_by_power) {
 }
 
 // Lamps and emissive triangles together: the mean of the weights is the irradiance of all.
-TEST(lights, of_both_kinds_add) {
+TEST(Lights, OfBothKindsAdd) {
     const auto irradiance = [](bool with_lamps, bool with_panel) {
         SceneBuilder b;
         b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
@@ -172,7 +172,7 @@ TEST(lights, of_both_kinds_add) {
 }
 
 // Each lamp once, without chance, and the panel as if it were alone.
-TEST(lights, each_is_sampled_with_certainty) {
+TEST(Lights, EachIsSampledWithCertainty) {
     const auto scene = [](bool with_lamps) {
         SceneBuilder b;
         b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
@@ -204,7 +204,7 @@ TEST(lights, each_is_sampled_with_certainty) {
                 1, 1e-5);
 }
 
-TEST(lights, are_each_sampled_only_where_there_are_several_but_few) {
+TEST(Lights, AreEachSampledOnlyWhereThereAreSeveralButFew) {
     const auto choice = [](int lamps, bool wanted) {
         SceneBuilder b;
         b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
@@ -219,7 +219,7 @@ TEST(lights, are_each_sampled_only_where_there_are_several_but_few) {
     EXPECT_EQ(choice(33, true), LightChoice::one);
 }
 
-TEST(lights, sides_that_do_not_shine_are_not_sampled) {
+TEST(Lights, SidesThatDoNotShineAreNotSampled) {
     SceneBuilder b;
     b.add_triangle({-1, 2, -1}, {1, 2, -1}, {0, 2, 1}, b.add_material(emitter(V3f(1))));
     b.add_quad({-1, -1, -1}, {1, 0, 0}, {0, 0, 1}, b.add_material(lambert(V3f(1))));
@@ -233,7 +233,7 @@ TEST(lights, sides_that_do_not_shine_are_not_sampled) {
     }
 }
 
-TEST(lights, spot_falloffs) {
+TEST(Lights, SpotFalloffs) {
     EXPECT_EQ(spot_falloff(0.5f, 1, 0.6f, -1), 0);
     EXPECT_EQ(spot_falloff(0.95f, 0.9f, 0.6f, -1), 1);
     EXPECT_NEAR(spot_falloff(0.75f, 0.9f, 0.6f, -1), 0.25f, 1e-6f);
@@ -243,7 +243,7 @@ TEST(lights, spot_falloffs) {
     EXPECT_EQ(spot_falloff(0.8f, 0.8f, 0.8f, -1), 0); // a cone without width starts at its edge
 }
 
-TEST(lights, brightness_is_kept_near_one_whatever_its_unit) {
+TEST(Lights, BrightnessIsKeptNearOneWhateverItsUnit) {
     for (const double intensity : {1e-45, 1e-30, 1.0, 1e30, 1e45}) {
         SceneBuilder b;
         b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.add_material(lambert(V3f(1))));
