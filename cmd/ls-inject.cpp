@@ -192,10 +192,19 @@ void report(const InjectReport& r, const LightCache& cache, cli::Stats& stats) {
     stats.result["unmeasured_shafts"] = r.measure.unmeasured_shafts;
 }
 
-void run(Options& o, cli::Session& session) {
+// inject() splits photons for the estimator energy alone.
+void settle_branches(const cli::Tool& tool, const Options& o, cli::Session& session) {
+    if (o.inject.estimator == Estimator::energy) return;
+    if (tool.app.get_option("--branches")->count() > 0 && o.inject.branches > 1)
+        throw usage_error("--branches is for the estimator energy");
+    session.stats().config["branches"] = 1;
+}
+
+void run(const cli::Tool& tool, Options& o, cli::Session& session) {
     if (!o.info.empty()) return print_info(o.info, session);
     if (o.scene.paths.empty()) throw usage_error("no scene, expected a glTF file");
     if (o.output.empty()) throw usage_error("--output is required");
+    settle_branches(tool, o, session);
     const std::string date_time = session.image_config().date_time;
     if (o.inject.estimator != Estimator::energy)
         session.warn(
@@ -233,5 +242,5 @@ int main(int argc, char** argv) {
                     "ls-inject scene.gltf --photons 2e6 --voxels 25x25x25 -o cache.exr"});
     Options options;
     declare(tool, options);
-    return tool.main(argc, argv, [&](cli::Session& session) { run(options, session); });
+    return tool.main(argc, argv, [&](cli::Session& session) { run(tool, options, session); });
 }

@@ -144,7 +144,7 @@ void render_one(const Options& o, const cli::OpenScene& open, const PosedScene& 
 }
 
 void run(const cli::Tool& tool, Options& o, cli::Session& session) {
-    cli::settle_rsm_options(tool, o.rsm);
+    cli::settle_rsm_options(tool, o.rsm, session.stats().config);
     cli::check_frame_names(o.scene.frames, {o.output.path, o.rsm.map_output});
     file_format(o.output.path, o.output.format);
     o.rsm.config.mask = cli::rotation_mask(session, o.rsm);

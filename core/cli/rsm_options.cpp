@@ -100,8 +100,11 @@ void add_image_options(Tool& tool, RsmOptions& o) {
         ->check(CLI::Range(1e-3, 1e9));
     tool.app
         .add_option_function<std::string>(
-            "--aov", [&o](const std::string& names) { o.config.aovs = parse_aovs(names); },
-            "More channels: depth, normal, position, albedo, variance, id")
+            "--aov",
+            [&o](const std::string& names) {
+                o.config.aovs = parse_aovs(names, kAovAll & ~kAovMotion);
+            },
+            "More channels: depth, normal, position, albedo, direct, indirect, variance, id, all")
         ->type_name("NAMES");
     tool.app.add_flag_callback(
         "--measure-rays", [&o] { o.config.measure = RayMeasure::on; },
@@ -128,7 +131,6 @@ void check(const Tool& tool, const RsmOptions& o) {
         throw usage_error("--compensate needs unbiased weights and the shadow test");
     if (compensates && o.clamp.kind == RsmClamp::Kind::none)
         throw usage_error("--compensate with --clamp none: nothing is taken away");
-    if (o.config.aovs & kAovMotion) throw usage_error("--aov motion: see bn-render(1)");
     if ((o.config.aovs & kAovVariance) && o.passes < 2)
         throw usage_error("--aov variance needs --spp 2 or more");
     if (o.config.measure == RayMeasure::on && g.shadow_test == ShadowTest::off)
@@ -154,15 +156,29 @@ void add_rsm_options(Tool& tool, RsmOptions& options) {
     tool.add_seed(options.config.seed);
 }
 
-void settle_rsm_options(const Tool& tool, RsmOptions& o) {
+void settle_rsm_options(const Tool& tool, RsmOptions& o, Json& used) {
     GatherConfig& g = o.config.gather;
     const bool thesis = g.weights == PatternWeights::thesis;
-    if (thesis && !given(tool, "--gather")) g.gather = Gather::pattern;
-    if (thesis && !given(tool, "--mips")) g.mips = MipUse::on;
-    if (thesis && !given(tool, "--clamp")) o.clamp = {RsmClamp::Kind::distance, 1};
-    if (o.config.compensate == Compensate::yes && !given(tool, "--texels"))
+    if (thesis && !given(tool, "--gather")) {
+        g.gather = Gather::pattern;
+        used["gather"] = "pattern";
+    }
+    if (thesis && !given(tool, "--mips")) {
+        g.mips = MipUse::on;
+        used["mips"] = "on";
+    }
+    if (thesis && !given(tool, "--clamp")) {
+        o.clamp = {RsmClamp::Kind::distance, 1};
+        used["clamp"] = "distance=1";
+    }
+    if (o.config.compensate == Compensate::yes && !given(tool, "--texels")) {
         o.config.map.point = TexelPoint::jittered;
-    if (o.time_limit_seconds > 0 && !given(tool, "--spp")) o.passes = kUnlimitedPasses;
+        used["texels"] = "jittered";
+    }
+    if (o.time_limit_seconds > 0 && !given(tool, "--spp")) {
+        o.passes = kUnlimitedPasses;
+        used.erase("spp");
+    }
     o.config.map.measure = thesis ? FluxMeasure::intensity : FluxMeasure::watts;
     o.config.pixel = o.passes == 1 ? PixelPoint::centre : PixelPoint::jittered;
     check(tool, o);

@@ -25,9 +25,9 @@ struct RsmOptions {
 
 void add_rsm_options(Tool& tool, RsmOptions& options);
 
-// Fills in settings that follow from others. Errors: ErrorKind::usage for some that would have no
-// effect together.
-void settle_rsm_options(const Tool& tool, RsmOptions& options);
+// Fills in settings that follow from others, in `used` too, the options of --stats. Errors:
+// ErrorKind::usage for some that would have no effect together.
+void settle_rsm_options(const Tool& tool, RsmOptions& options, Json& used);
 
 // The clamp in the lengths of render space.
 GeometryBound geometry_bound(const RsmClamp& clamp, const RenderSpace& space);

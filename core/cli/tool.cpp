@@ -234,7 +234,7 @@ CLI::Option* Tool::add_format(FileFormat& format) {
     return app
         .add_option_function<std::string>(
             "--format", [&format](const std::string& name) { format = names.at(name); },
-            "Format on standard output")
+            "Format where the name does not tell, as on standard output")
         ->check(CLI::IsMember({"exr", "png"}));
 }
 
@@ -265,8 +265,8 @@ int Tool::report(const std::string& message, int status) const {
     return status;
 }
 
-// Every option under its long name in snake_case with the value in force, except those that say
-// where and how to report.
+// Every option under its long name in snake_case as it was given or else its default, except those
+// that say where and how to report. A tool corrects what another option changes.
 Json Tool::used_options() const {
     static const std::set<std::string> left_out = {"help",  "version",  "config", "stats",
                                                    "quiet", "progress", "verbose"};
@@ -276,15 +276,14 @@ Json Tool::used_options() const {
         if (left_out.contains(name)) continue;
         std::replace(name.begin(), name.end(), '-', '_');
         const auto results = option->reduced_results();
-        if (option->count() == 0) {
-            const std::string value = option->get_default_str();
-            if (!value.empty()) config[name] = json_value(value);
-        } else if (results.size() == 1) {
-            config[name] = json_value(results.front());
-        } else {
+        if (option->get_items_expected_max() > 1) { // an array, of however many values
             config[name] = Json::array();
             for (const std::string& value : results)
                 config[name].push_back(json_value(value));
+        } else if (option->count() > 0) {
+            config[name] = json_value(results.front());
+        } else if (const std::string value = option->get_default_str(); !value.empty()) {
+            config[name] = json_value(value);
         }
     }
     return config;

@@ -117,14 +117,19 @@ void check_parts(std::span<const Image> parts, FileFormat format, const ImageWri
 } // namespace
 
 FileFormat file_format(const std::string& path, FileFormat requested) {
-    if (requested != FileFormat::by_extension) return requested;
     const auto ends_with = [&](std::string_view ending) {
         return path.size() >= ending.size() &&
                std::equal(ending.rbegin(), ending.rend(), path.rbegin(),
                           [](char a, char b) { return a == char(std::tolower(b)); });
     };
-    if (ends_with(".exr")) return FileFormat::exr;
-    if (ends_with(".png")) return FileFormat::png;
+    const FileFormat named = ends_with(".exr")   ? FileFormat::exr
+                             : ends_with(".png") ? FileFormat::png
+                                                 : FileFormat::by_extension;
+    if (requested != FileFormat::by_extension && named != FileFormat::by_extension &&
+        requested != named)
+        throw usage_error("{}: --format says otherwise", path);
+    if (requested != FileFormat::by_extension) return requested;
+    if (named != FileFormat::by_extension) return named;
     if (path == "-") throw usage_error("--format exr|png is needed to write to standard output");
     throw usage_error("{}: unknown image format, expected .exr or .png", path);
 }

@@ -15,26 +15,24 @@ constexpr std::pair<const char*, uint32_t> kNames[] = {
     {"albedo", kAovAlbedo},     {"motion", kAovMotion},     {"direct", kAovDirect},
     {"indirect", kAovIndirect}, {"variance", kAovVariance}, {"id", kAovId}};
 
-uint32_t aov_of(const std::string& name) {
-    for (const auto& [known, aov] : kNames)
+uint32_t aov_of(const std::string& name, uint32_t offered) {
+    if (name == "all") return offered;
+    std::string expected;
+    for (const auto& [known, aov] : kNames) {
+        if (!(aov & offered)) continue;
         if (name == known) return aov;
-    throw usage_error("--aov {}: expected depth, normal, position, albedo, motion, direct, "
-                      "indirect, variance, id or all",
-                      name);
+        expected += std::string(known) + ", ";
+    }
+    throw usage_error("--aov {}: expected {}all", name, expected);
 }
 
 } // namespace
 
-uint32_t parse_aovs(const std::string& names) {
+uint32_t parse_aovs(const std::string& names, uint32_t offered) {
     uint32_t aovs = 0;
     for (size_t at = 0; at < names.size();) {
         const size_t comma = std::min(names.find(',', at), names.size());
-        const std::string name = names.substr(at, comma - at);
-        if (name == "all")
-            for (const auto& known : kNames)
-                aovs |= known.second;
-        else
-            aovs |= aov_of(name);
+        aovs |= aov_of(names.substr(at, comma - at), offered);
         at = comma + 1;
     }
     return aovs;

@@ -23,10 +23,11 @@ enum Aov : uint32_t {
     kAovIndirect = 1 << 6, // indirect.R ...: more than one
     kAovVariance = 1 << 7, // variance.R ...: of the pixel's mean, from at least two samples
     kAovId = 1 << 8,       // id: number of the surface, 0 where nothing was hit
+    kAovAll = (1 << 9) - 1,
 };
 
-// "depth,normal" and so on; "all". Errors: ErrorKind::usage.
-uint32_t parse_aovs(const std::string& names);
+// "depth,normal" and so on, of those that a tool offers; "all" of them. Errors: ErrorKind::usage.
+uint32_t parse_aovs(const std::string& names, uint32_t offered = kAovAll);
 
 // Surface channels that come from the first hit of every camera ray.
 inline constexpr uint32_t kFirstHitAovs =

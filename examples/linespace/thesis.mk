@@ -108,13 +108,13 @@ $(OUT)/energy-phong_%.cache.exr $(OUT)/energy-phong_%.json: $(OUT)/phong-%.gltf
 $(OUT)/energy-lamp_%.cache.exr: $(OUT)/lamp-%.gltf
 	$(INJECT) $< --voxels $(CORNELL_VOXELS) --photons $(PHOTONS) -o $@
 $(OUT)/listing-%.cache.exr $(OUT)/listing-%.json: $(OUT)/large-%.gltf
-	$(INJECT) $< --voxels $(CORNELL_VOXELS) --photons $(LISTING_PHOTONS) --estimator count-listing --branches 1 \
+	$(INJECT) $< --voxels $(CORNELL_VOXELS) --photons $(LISTING_PHOTONS) --estimator count-listing \
 		--stats $(OUT)/listing-$*.json -o $(OUT)/listing-$*.cache.exr
 SPONZA_INJECT = $(INJECT) $(SPONZA_PARTS) --voxels $(SPONZA_VOXELS)
 $(OUT)/energy-sponza.cache.exr $(OUT)/energy-sponza.json &: $(SPONZA_PARTS) | $(OUT)
 	$(SPONZA_INJECT) --photons $(SPONZA_PHOTONS) --stats $(OUT)/energy-sponza.json -o $(OUT)/energy-sponza.cache.exr
 $(OUT)/listing-sponza.cache.exr $(OUT)/listing-sponza.json &: $(SPONZA_PARTS) | $(OUT)
-	$(SPONZA_INJECT) --photons $(LISTING_PHOTONS) --estimator count-listing --branches 1 --stats $(OUT)/listing-sponza.json \
+	$(SPONZA_INJECT) --photons $(LISTING_PHOTONS) --estimator count-listing --stats $(OUT)/listing-sponza.json \
 		-o $(OUT)/listing-sponza.cache.exr
 
 # --- Images ---------------------------------------------------------------------------------------
@@ -266,7 +266,7 @@ $(OUT)/caustics.png: sheet window $(foreach b,$(BLOCKS),$(foreach k,$(SEEN),$(OU
 
 # --- Table 2 --------------------------------------------------------------------------------------
 export RUNS
-SPEED_INJECT = --photons $(SPEED_PHOTONS) --estimator count-listing --branches 1
+SPEED_INJECT = --photons $(SPEED_PHOTONS) --estimator count-listing
 SPEED_CORNELL = --size $(CORNELL_SIZE) --spp $(SPEED_SPP)
 SPEED_SPONZA = --size $(SPONZA_SIZE) --spp $(SPEED_SPP) --all-lights
 NAME_point = cornell diffuse
@@ -319,13 +319,10 @@ LABEL_2 = 5.5,2
 LABEL_3 = 5.5,3
 LABEL_point = 0.55,1
 ESTIMATORS = energy count-text count-listing
-OPTIONS_energy =
-OPTIONS_count-text = --branches 1
-OPTIONS_count-listing = --branches 1
 define estimator_rules
 $(OUT)/estimator-$(1)-%.csv: cached figures number $(OUT)/reference-$(1).exr
 	(true $(foreach e,$(ESTIMATORS),&& ./cached "$(LABEL_$(1)),$(e),$$*" $(OUT)/reference-$(1).exr $(SCENE_$(1)) \
-		"--voxels $$*x$$*x$$* --photons $(ESTIMATOR_PHOTONS) --estimator $(e) $(OPTIONS_$(e))" "$(VIEW)")) >$$@
+		"--voxels $$*x$$*x$$* --photons $(ESTIMATOR_PHOTONS) --estimator $(e)" "$(VIEW)")) >$$@
 endef
 $(foreach l,$(LIT),$(eval $(call estimator_rules,$(l))))
 $(OUT)/estimators.csv: cached $(foreach l,$(LIT),$(ESTIMATOR_VOXELS:%=$(OUT)/estimator-$(l)-%.csv))
