@@ -1,6 +1,7 @@
 // bn-anneal: retarget textures, by an exact assignment or by simulated annealing.
 #include "bluenoise/offsets.h"
 #include "bluenoise/retarget_solve.h"
+#include "cli/choice.h"
 #include "cli/tool.h"
 
 #include <cmath>
@@ -10,7 +11,8 @@ using namespace ql;
 namespace {
 
 struct Options {
-    std::string mask, channel, step, offsets = "lattice", motion = "0,0", solver = "exact";
+    std::string mask, channel, step, motion = "0,0", solver = "exact";
+    OffsetKind offsets = OffsetKind::lattice;
     std::string schedule = "kirkpatrick", trace, snapshot, output;
     int radius_px = 6;
     int motions = 0;
@@ -57,9 +59,10 @@ void add_options(cli::Tool& tool, Options& options) {
     tool.app.add_option("--channel", options.channel, "Channel of the mask, if it has several");
     tool.app.add_option("--step", options.step, "Move of the mask from frame to frame, pixels")
         ->type_name("DX,DY");
-    options.offsets_option =
-        tool.app.add_option("--offsets", options.offsets, "Steps to make textures for")
-            ->check(CLI::IsMember({"lattice", "r2", "thesis"}));
+    options.offsets_option = cli::add_choice<OffsetKind>(
+        tool, "--offsets", options.offsets,
+        {{"lattice", OffsetKind::lattice}, {"r2", OffsetKind::r2}, {"thesis", OffsetKind::thesis}},
+        "Steps to make textures for");
     tool.app.add_option("--radius", options.radius_px, "Farthest move on each axis, pixels")
         ->check(CLI::Range(0, kMaxRetargetRadius));
     options.motion_option =
@@ -126,8 +129,7 @@ void check_combination(Options& options) {
 
 std::vector<RetargetConfig> problems(const Options& options, const Mask& mask) {
     const int width = mask.values.width(), height = mask.values.height();
-    std::vector<Imath::V2i> steps =
-        retarget_steps(mask_offsets(offset_kind(options.offsets), width, height));
+    std::vector<Imath::V2i> steps = retarget_steps(mask_offsets(options.offsets, width, height));
     if (!options.step.empty()) {
         const Imath::V2i step = parse_pair(options.step, "--step");
         steps = {{wrap(step.x, width), wrap(step.y, height)}};

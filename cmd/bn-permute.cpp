@@ -2,6 +2,7 @@
 #include "cli/permute_options.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace ql;
 
@@ -23,7 +24,7 @@ void add_options(cli::Tool& tool, Options& options) {
     cli::add_permute_options(tool, options.permute)->required();
     file("--seeds", options.seeds, "Seeds of the frame, channel seed; without: fresh ones");
     tool.app.add_option("--frame", options.frame, "Number of the frame")
-        ->check(CLI::Range(int64_t(0), int64_t(1) << 31));
+        ->check(CLI::Range(int64_t(0), int64_t(1'000'000'000)));
     file("--motion", options.motion,
          "Motion to the next frame, channels motion.X motion.Y, pixels");
     file("--depth", options.depth, "Depth Z with camera matrices in the header; needs --next");
@@ -39,9 +40,9 @@ void add_options(cli::Tool& tool, Options& options) {
 
 void check_combination(const Options& options) {
     const bool moving = !options.motion.empty() || !options.depth.empty();
-    if (options.permute.reproject != "off" && !moving)
-        throw usage_error("--reproject needs --motion, or --depth and --next");
-    if (options.permute.reproject == "off" && moving)
+    const bool follows = options.permute.config.reproject != ReprojectMode::off;
+    if (follows && !moving) throw usage_error("--reproject needs --motion, or --depth and --next");
+    if (!follows && moving)
         throw usage_error("--motion and --depth need --reproject image or tile");
     if (!options.motion.empty() && !options.depth.empty())
         throw usage_error("--motion and --depth exclude each other");
@@ -73,7 +74,7 @@ const Imath::M44f& matrix(const Image& image, const char* key, const std::string
     throw input_error("no {} in the header of {}", key, path);
 }
 
-// Depth of pixels without a surface may be infinite.
+// Depth of pixels without a surface may be infinite, and so may channels that nobody asked for.
 ImageReadConfig guide_config() {
     ImageReadConfig config;
     config.non_finite = NonFinite::keep;
@@ -108,7 +109,7 @@ std::optional<MotionPlanes> read_motion(const Options& options, int width, int h
 Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
                                 cli::Session& session) {
     if (options.similar.empty()) return {};
-    const Image image = session.read_image(options.similar);
+    const Image image = session.read_image(options.similar, guide_config());
     check_size(image, width, height, options.similar);
     Array2D<uint32_t> surfaces = surface_numbers(image);
     if (surfaces.empty())
@@ -119,6 +120,10 @@ Array2D<uint32_t> read_surfaces(const Options& options, int width, int height,
 
 Array2D<float> read_intensity(const Options& options, const Image& image, cli::Session& session) {
     const Array2D<float> intensity = intensity_plane(image, options.image);
+    for (size_t i = 0; i < intensity.size(); ++i)
+        if (!std::isfinite(intensity[i]))
+            throw input_error("{}: pixel {},{} is {}, expected finite values", options.image,
+                              i % size_t(image.width), i / size_t(image.width), intensity[i]);
     if (options.albedo.empty()) return intensity;
     const Image albedo = session.read_image(options.albedo, guide_config());
     check_size(albedo, image.width, image.height, options.albedo);
@@ -143,7 +148,7 @@ void run(Options& options, cli::Session& session) {
     check_combination(options);
 
     // Read the frame, the mask and the textures
-    const Image image = session.read_image(options.image);
+    const Image image = session.read_image(options.image, guide_config());
     const Array2D<float> intensity = read_intensity(options, image, session);
     cli::PermuteInputs inputs = cli::read_permute_inputs(session, options.permute);
     inputs.config.seed = options.seed;
@@ -171,7 +176,7 @@ void run(Options& options, cli::Session& session) {
     QL_CHECK(bijection || refreshed);
 
     // Write the seeds
-    result.metadata["ql:frame"] = fmt::to_string(options.frame + 1);
+    result.metadata["ql:frame"] = int(options.frame + 1);
     result.metadata["ql:image_size"] = fmt::format("{}x{}", image.width, image.height);
     ImageWriteConfig write = session.image_config();
     write.format = options.format;

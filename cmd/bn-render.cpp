@@ -1,4 +1,5 @@
 // bn-render: path-traced frames whose random numbers follow from one 32-bit seed per pixel.
+#include "cli/choice.h"
 #include "cli/path_options.h"
 #include "cli/permute_options.h"
 #include "cli/render_output.h"
@@ -8,6 +9,7 @@
 #include "image/frame_range.h"
 
 #include <memory>
+#include <set>
 
 namespace {
 
@@ -23,12 +25,13 @@ struct Options {
     bool strict = false;
 };
 
-const std::map<std::string, LightSampling> kSamplings = {
-    {"mis", LightSampling::mis}, {"lights", LightSampling::lights}, {"bsdf", LightSampling::bsdf}};
-const std::map<std::string, Distribution> kDistributions = {{"white", Distribution::white},
-                                                            {"dithered", Distribution::dithered},
-                                                            {"histogram", Distribution::histogram},
-                                                            {"temporal", Distribution::temporal}};
+constexpr double kMaxSky = 1e38; // floats, with room for sums
+
+const std::vector<std::pair<std::string, Distribution>> kDistributions = {
+    {"white", Distribution::white},
+    {"dithered", Distribution::dithered},
+    {"histogram", Distribution::histogram},
+    {"temporal", Distribution::temporal}};
 
 void declare(cli::Tool& tool, Options& o) {
     cli::add_scene_options(tool, o.scene);
@@ -42,22 +45,20 @@ void declare(cli::Tool& tool, Options& o) {
         ->check(CLI::Range(1, 1 << 16));
     cli::add_path_options(tool, o.sequence.render.path.roulette_depth,
                           o.sequence.render.path.all_lights);
-    tool.app
-        .add_option_function<std::string>(
-            "--light-sampling",
-            [&o](const std::string& name) {
-                o.sequence.render.path.light_sampling = kSamplings.at(name);
-            },
-            "mis: both strategies; lights, bsdf: one alone")
-        ->check(CLI::IsMember({"mis", "lights", "bsdf"}))
-        ->default_str("mis");
+    cli::add_choice<LightSampling>(tool, "--light-sampling", o.sequence.render.path.light_sampling,
+                                   {{"mis", LightSampling::mis},
+                                    {"lights", LightSampling::lights},
+                                    {"bsdf", LightSampling::bsdf}},
+                                   "mis: both strategies; lights, bsdf: one alone");
     tool.app
         .add_option_function<std::string>(
             "--sky",
             [&o](const std::string& text) {
                 const auto v = cli::parse_numbers(text, 3, "--sky");
-                if (v[0] < 0 || v[1] < 0 || v[2] < 0)
-                    throw usage_error("--sky: '{}', expected values of at least 0", text);
+                for (const double value : v)
+                    if (!(value >= 0 && value <= kMaxSky))
+                        throw usage_error("--sky: '{}', expected values from 0 to {:g}", text,
+                                          kMaxSky);
                 o.sequence.render.path.sky = V3f(float(v[0]), float(v[1]), float(v[2]));
             },
             "Radiance of a uniform surrounding, W/(m^2 sr)")
@@ -68,13 +69,8 @@ void declare(cli::Tool& tool, Options& o) {
             "More channels: depth, normal, position, albedo, motion, direct, indirect, variance, "
             "id, all")
         ->type_name("NAMES");
-    tool.app
-        .add_option_function<std::string>(
-            "--distribution",
-            [&o](const std::string& name) { o.sequence.distribution = kDistributions.at(name); },
-            "How random numbers are given to pixels; all but white need --mask")
-        ->check(CLI::IsMember({"white", "dithered", "histogram", "temporal"}))
-        ->default_str("white");
+    cli::add_choice(tool, "--distribution", o.sequence.distribution, kDistributions,
+                    "How random numbers are given to pixels; all but white need --mask");
     cli::add_permute_options(tool, o.permute);
     tool.app.add_flag("--similar", o.similar, "Sort among surfaces of like normal and albedo only");
     tool.app.add_flag("--demodulate", o.demodulate, "Sort intensity divided by albedo");
@@ -93,8 +89,38 @@ void declare(cli::Tool& tool, Options& o) {
     tool.app.add_flag("--strict", o.strict, "Samples that are not finite are an error");
 }
 
-void check(const Options& o) {
+// Options that would do nothing with this distribution.
+void check_distribution(const cli::Tool& tool, Distribution distribution) {
+    using D = Distribution;
+    static const std::pair<const char*, std::set<D>> kServes[] = {
+        {"--mask", {D::dithered, D::histogram, D::temporal}},
+        {"--channel", {D::dithered, D::histogram, D::temporal}},
+        {"--offsets", {D::dithered, D::histogram, D::temporal}},
+        {"--estimates", {D::histogram}},
+        {"--retarget", {D::temporal}},
+        {"--block", {D::temporal}},
+        {"--block-jitter", {D::temporal}},
+        {"--reproject", {D::temporal}},
+        {"--refresh", {D::temporal}},
+        {"--similar", {D::temporal}},
+        {"--demodulate", {D::temporal}},
+        {"--seeds", {D::white, D::temporal}},
+        {"--seeds-out", {D::white, D::histogram, D::temporal}}};
+    for (const auto& [option, served] : kServes)
+        if (tool.is_given(option) && !served.contains(distribution)) {
+            std::string names;
+            for (const auto& [name, value] : kDistributions)
+                if (served.contains(value)) names += (names.empty() ? "" : ", ") + name;
+            throw usage_error("{} is for --distribution {}", option, names);
+        }
+}
+
+void check(const cli::Tool& tool, const Options& o) {
+    check_distribution(tool, o.sequence.distribution);
     cli::check_frame_names(o.scene.frames, {o.output.path, o.seeds_out});
+    if (!o.seeds_out.empty() &&
+        file_format(o.seeds_out, FileFormat::by_extension) != FileFormat::exr)
+        throw usage_error("{}: seeds are written as EXR", o.seeds_out);
     file_format(o.output.path, o.output.format);
     if (!o.accumulate.empty()) file_format(o.accumulate, FileFormat::by_extension);
     if ((o.sequence.render.aovs & kAovVariance) && o.sequence.render.spp < 2)
@@ -137,9 +163,10 @@ void read_frame_seeds(const Options& o, cli::Session& session, int frame, FrameS
     }
 }
 
-Image seed_image(const Array2D<uint32_t>& seeds) {
+Image seed_image(const Array2D<uint32_t>& seeds, int frame) {
     Image image(seeds.width(), seeds.height());
     image.uint_plane("seed") = seeds;
+    image.metadata["ql:frame"] = frame;
     return image;
 }
 
@@ -175,7 +202,7 @@ void write_frame(const Options& o, cli::Session& session, int frame, FrameResult
     ImageWriteConfig write = cli::image_config(session, o.output);
     session.write_image(numbered_path(o.output.path, frame), result.image, write);
     if (!o.seeds_out.empty())
-        session.write_image(numbered_path(o.seeds_out, frame), seed_image(seeds),
+        session.write_image(numbered_path(o.seeds_out, frame), seed_image(seeds, frame),
                             session.image_config());
     if (o.accumulate.empty()) return;
     const Image so_far = mean.add(result.image);
@@ -189,18 +216,16 @@ bool wants_motion(const Options& o) {
            o.sequence.permute.reproject != ReprojectMode::off;
 }
 
-void report(const Options& o, cli::Session& session, const RayCounts& rays) {
+void report(cli::Session& session, const RayCounts& rays) {
     session.stats().rays = {
         {"camera", rays.camera}, {"indirect", rays.indirect}, {"shadow", rays.shadow}};
     const uint64_t discarded = session.stats().discarded_samples;
-    if (o.strict && discarded > 0)
-        throw input_error("{}: {} samples are not finite", o.scene.paths.front(), discarded);
     if (discarded > 0)
         session.warn(fmt::format("{} samples were not finite and have been left out", discarded));
 }
 
-void run(Options& o, cli::Session& session) {
-    check(o);
+void run(const cli::Tool& tool, Options& o, cli::Session& session) {
+    check(tool, o);
     const bool lit_by_sky = o.sequence.render.path.sky != V3f(0, 0, 0);
     const cli::OpenScene open =
         cli::open_scene(session, o.scene,
@@ -221,8 +246,8 @@ void run(Options& o, cli::Session& session) {
             posed = std::make_unique<PosedScene>(open.scene, open.space, time, session.workers());
         }
         const auto [width, height] = o.scene.size;
-        const PixelCamera camera =
-            pixel_camera(open.camera, open.scene, open.space, time, width, height);
+        const PixelCamera camera = pixel_camera(open.camera, open.scene, open.space, time, width,
+                                                height, posed->world().bounds);
         const PixelCamera next_camera =
             pixel_camera(open.camera, open.scene, open.space, next_time, width, height);
         NextFrame next{next_camera, {}};
@@ -241,14 +266,17 @@ void run(Options& o, cli::Session& session) {
         }
         rays.add(result.rays);
         session.stats().discarded_samples += result.discarded_samples;
+        if (o.strict && result.discarded_samples > 0)
+            throw input_error("{}: {} samples of frame {} are not finite", o.scene.paths.front(),
+                              result.discarded_samples, frame);
         write_frame(o, session, frame, result, camera, sequence.seeds(), mean);
-        if (o.sequence.distribution == Distribution::temporal) {
+        if (o.sequence.distribution == Distribution::temporal && frame != o.scene.frames.back()) {
             const auto timer = session.phase("permute");
             sequence.prepare_next(session.workers());
         }
     }
     session.stats().result["motion_transforms"] = motion_transforms;
-    report(o, session, rays);
+    report(session, rays);
 }
 
 } // namespace
@@ -258,5 +286,5 @@ int main(int argc, char** argv) {
                     "bn-render scene.gltf --size 640x480 --spp 16 -o image.exr"});
     Options options;
     declare(tool, options);
-    return tool.main(argc, argv, [&](cli::Session& session) { run(options, session); });
+    return tool.main(argc, argv, [&](cli::Session& session) { run(tool, options, session); });
 }

@@ -206,8 +206,9 @@ void add_options(cli::Tool& tool, Options& options) {
     app.add_flag("--wrap", options.wrap, "Tileable images: the Gaussian wraps around");
     app.add_option("--peak", options.error.peak, "White of psnr_db")->type_name("VALUE");
     app.add_flag("--per-channel", options.per_channel, "Every figure also for each channel");
-    app.add_option("--heatmap", options.heatmap, "False-colour picture of the relative error")
-        ->type_name("FILE");
+    auto* heatmap =
+        app.add_option("--heatmap", options.heatmap, "False-colour picture of the relative error");
+    heatmap->type_name("FILE");
     app.add_option_function<std::string>(
            "--heatmap-range",
            [&](const std::string& text) {
@@ -218,12 +219,14 @@ void add_options(cli::Tool& tool, Options& options) {
            },
            "Relative errors at the ends of the colour scale (logarithmic)")
         ->type_name("LO,HI")
+        ->needs(heatmap)
         ->default_str("0.001,1");
-    app.add_option("--tiles", options.tiles,
-                   "Errors by tile as CSV, means over all frames compared")
-        ->type_name("FILE");
+    auto* tiles = app.add_option("--tiles", options.tiles,
+                                 "Errors by tile as CSV, means over all frames compared");
+    tiles->type_name("FILE");
     app.add_option("--tile", options.tile_px, "Side of these tiles in pixels")
-        ->check(CLI::Range(1, 1 << 20));
+        ->check(CLI::Range(1, 1 << 20))
+        ->needs(tiles);
     auto* json = app.add_flag("--json", options.json, "Figures as a JSON object");
     app.add_flag("--csv", options.csv, "Figures as CSV, a header and a row")->excludes(json);
     cli::add_limits(tool, options.limits);

@@ -26,11 +26,13 @@ struct Options {
     }
 };
 
-// R, G and B become their luminance; any other channels are frames of their own.
-std::vector<Array2D<float>> frames_of(Image image) {
+// R, G and B become their luminance, unless they are masks that differ; any other channels are
+// frames of their own.
+std::vector<Array2D<float>> frames_of(Image image, bool are_masks) {
     const auto *r = image.find("R"), *g = image.find("G"), *b = image.find("B");
     std::vector<Array2D<float>> frames;
-    if (image.planes.size() == 3 && r && g && b) {
+    const bool is_color = image.planes.size() == 3 && r && g && b;
+    if (is_color && (!are_masks || (*r == *g && *g == *b))) {
         Array2D<float>& grey = frames.emplace_back(image.width, image.height);
         for (size_t i = 0; i < grey.size(); ++i)
             grey[i] = luminance((*r)[i], (*g)[i], (*b)[i]);
@@ -58,10 +60,12 @@ std::vector<Array2D<float>> loaded_frames(const Options& options, cli::Session& 
     std::vector<Array2D<float>> reference;
     if (!options.reference.empty())
         reference = frames_of(
-            read_selected(session, options.reference, options.selection, NonFinite::reject));
+            read_selected(session, options.reference, options.selection, NonFinite::reject),
+            options.mask);
     std::vector<Array2D<float>> all;
     for (const std::string& path : options.images) {
-        auto frames = frames_of(read_selected(session, path, options.selection, NonFinite::reject));
+        auto frames = frames_of(read_selected(session, path, options.selection, NonFinite::reject),
+                                options.mask);
         if (!reference.empty()) subtract(frames, reference, path, options.reference);
         if (!all.empty() &&
             (frames[0].width() != all[0].width() || frames[0].height() != all[0].height()))
@@ -226,8 +230,9 @@ void add_options(cli::Tool& tool, Options& options) {
         ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 1000.0));
     app.add_flag("--mask", options.mask, "Figures of threshold masks too, see img-spectrum(1)");
-    app.add_option("--picture", options.picture, "Write the amplitudes as a picture, .png or .exr")
-        ->type_name("FILE");
+    auto* picture = app.add_option("--picture", options.picture,
+                                   "Write the amplitudes as a picture, .png or .exr");
+    picture->type_name("FILE");
     app.add_option_function<std::string>(
            "--picture-range",
            [&](const std::string& text) {
@@ -237,6 +242,7 @@ void add_options(cli::Tool& tool, Options& options) {
            },
            "Decibels of black and white in a PNG picture; white noise is 0")
         ->type_name("LO,HI")
+        ->needs(picture)
         ->default_str("-40,20");
     app.add_option("--profile", options.profile, "Write the radial profile, .csv or .json")
         ->type_name("FILE");

@@ -1,5 +1,6 @@
 // ls-inject: light paths from the lights of a glTF scene into a Linespace cache.
 #include "cli/blur_option.h"
+#include "cli/choice.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
 #include "linespace/cache_file.h"
@@ -96,17 +97,16 @@ void declare(cli::Tool& tool, Options& o) {
         .add_option("--normal-classes", o.inject.normal_classes,
                     "Classes of surface normals kept apart in a shaft: 6 (by axis) or 1")
         ->check(CLI::IsMember({1, 6}));
-    tool.app
-        .add_option_function<std::string>(
-            "--estimator",
-            [&o](const std::string& name) { o.inject.estimator = estimator_named(name); },
-            "energy: radiance; count-text, count-listing: Nilles 2017, to reproduce it")
-        ->check(CLI::IsMember({"energy", "count-text", "count-listing"}))
-        ->default_str("energy");
+    cli::add_choice<Estimator>(tool, "--estimator", o.inject.estimator,
+                               {{"energy", Estimator::energy},
+                                {"count-text", Estimator::count_text},
+                                {"count-listing", Estimator::count_listing}},
+                               "energy: radiance; count-text, count-listing: Nilles 2017, to "
+                               "reproduce it");
     tool.app
         .add_option("--max-depth", o.inject.max_depth,
                     "Scatterings between light and camera, both parts of the path together")
-        ->check(CLI::Range(2, 1 << 16));
+        ->check(CLI::Range(2, kMaxJoinedDepth));
     tool.app
         .add_option_function<std::string>(
             "--blur", [&o](const std::string& text) { o.inject.blur = cli::parse_blur(text); },
@@ -169,8 +169,8 @@ void print_info(const std::string& path, cli::Session& session) {
 void report(const InjectReport& r, const LightCache& cache, cli::Stats& stats) {
     const double unit = std::ldexp(1.0, -kOrderBits);
     double stored = 0;
-    for (const int64_t weight : cache.header.weight_by_order)
-        stored += double(weight) * unit;
+    for (size_t i = 0; i < cache.header.weight_by_order.size(); ++i)
+        stored += double(cache.header.weight_by_order[i] + cache.header.caustic_by_order[i]) * unit;
     const double watts = cache.header.unit / double(cache.header.photon_count());
     stats.rays = {{"photon", r.photons.rays}};
     stats.seconds["trace"] = r.seconds_tracing;
@@ -195,7 +195,7 @@ void report(const InjectReport& r, const LightCache& cache, cli::Stats& stats) {
 // inject() splits photons for the estimator energy alone.
 void settle_branches(const cli::Tool& tool, const Options& o, cli::Session& session) {
     if (o.inject.estimator == Estimator::energy) return;
-    if (tool.app.get_option("--branches")->count() > 0 && o.inject.branches > 1)
+    if (tool.is_given("--branches") && o.inject.branches > 1)
         throw usage_error("--branches is for the estimator energy");
     session.stats().config["branches"] = 1;
 }
@@ -204,6 +204,7 @@ void run(const cli::Tool& tool, Options& o, cli::Session& session) {
     if (!o.info.empty()) return print_info(o.info, session);
     if (o.scene.paths.empty()) throw usage_error("no scene, expected a glTF file");
     if (o.output.empty()) throw usage_error("--output is required");
+    if (o.output != "-") file_format(o.output, FileFormat::exr);
     settle_branches(tool, o, session);
     const std::string date_time = session.image_config().date_time;
     if (o.inject.estimator != Estimator::energy)
@@ -217,19 +218,25 @@ void run(const cli::Tool& tool, Options& o, cli::Session& session) {
         const auto timer = session.phase("build");
         posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
     }
-    InjectReport injected;
-    LightCache cache = inject(*posed, scene_hash(open.scene), o.inject, session.workers(),
-                              session.progress(), injected);
+    // What is to be added must fit before anything is traced.
+    const uint64_t hash = scene_hash(open.scene);
+    LightCache before;
     if (!o.add.empty()) {
+        const auto timer = session.phase("load");
         session.stats().input.push_back(o.add);
-        cache = merged(read_cache(o.add), cache, o.add);
+        before = read_cache(o.add);
+        require_mergeable(before.header, inject_header(*posed, hash, o.inject), o.add);
     }
+    InjectReport injected;
+    LightCache cache =
+        inject(*posed, hash, o.inject, session.workers(), session.progress(), injected);
+    report(injected, cache, session.stats());
+    if (!o.add.empty()) cache = merged(before, cache, o.add);
     {
         const auto timer = session.phase("write");
         session.stats().output.push_back(o.output);
         write_cache(o.output, cache, date_time);
     }
-    report(injected, cache, session.stats());
     if (injected.photons.discarded > 0)
         session.warn(fmt::format("{} photons became infinite or too bright and ended there",
                                  injected.photons.discarded));

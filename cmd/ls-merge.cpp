@@ -12,6 +12,7 @@ struct Options {
 };
 
 void run(const Options& o, cli::Session& session) {
+    if (o.output != "-") file_format(o.output, FileFormat::exr);
     const std::string date_time = session.image_config().date_time;
     LightCache sum;
     for (const std::string& path : o.inputs) {

@@ -1,6 +1,8 @@
 // ls-sample: an image of a glTF scene whose indirect light is read from a Linespace cache.
 #include "cli/blur_option.h"
+#include "cli/choice.h"
 #include "cli/path_options.h"
+#include "cli/render_output.h"
 #include "cli/scene_options.h"
 #include "cli/tool.h"
 #include "linespace/cache_file.h"
@@ -27,10 +29,8 @@ struct Options {
     bool any_scene = false;
     bool strict = false;
     bool use_candidates = false;
-    std::string cache, output;
-    FileFormat format = FileFormat::by_extension;
-    bool half = false;
-    float exposure_stops = 0;
+    std::string cache;
+    cli::RenderOutput output;
     uint64_t seed = 0;
 };
 
@@ -44,7 +44,7 @@ void declare_reading(cli::Tool& tool, Options& o) {
         .add_option("--max-depth", o.max_depth,
                     "Scatterings between light and camera, both parts of the path together; the "
                     "default is that of the cache, which is also the most")
-        ->check(CLI::Range(1, 1 << 16))
+        ->check(CLI::Range(1, kMaxJoinedDepth))
         ->default_str("");
     tool.app
         .add_option("--reads", read.reads,
@@ -81,34 +81,20 @@ void declare_reading(cli::Tool& tool, Options& o) {
         ->expected(2)
         ->type_name("N1 N2")
         ->default_str("0 0");
-    tool.app
-        .add_option_function<std::string>(
-            "--fallback",
-            [&read](const std::string& name) {
-                read.fallback = name == "trace" ? Fallback::trace : Fallback::never;
-            },
-            "Where no light came by a shaft: never, it is dark; trace: trace on (caches of the "
-            "estimators count-text and count-listing only)")
-        ->check(CLI::IsMember({"never", "trace"}))
-        ->default_str("never");
-    tool.app
-        .add_option_function<std::string>(
-            "--occlusion",
-            [&o](const std::string& name) { o.use_candidates = name == "candidates"; },
-            "What a read asks whether its ray leaves the voxel: bvh, the scene's tree; "
-            "candidates, lists of the primitives in each shaft")
-        ->check(CLI::IsMember({"bvh", "candidates"}))
-        ->default_str("bvh");
+    cli::add_choice<Fallback>(
+        tool, "--fallback", read.fallback, {{"never", Fallback::never}, {"trace", Fallback::trace}},
+        "Where no light came by a shaft: never, it is dark; trace: trace on (caches of the "
+        "estimators count-text and count-listing only)");
+    cli::add_choice<bool>(
+        tool, "--occlusion", o.use_candidates, {{"bvh", false}, {"candidates", true}},
+        "What a read asks whether its ray leaves the voxel: bvh, the scene's tree; "
+        "candidates, lists of the primitives in each shaft");
 }
 
 void declare(cli::Tool& tool, Options& o) {
     cli::add_scene_options(tool, o.scene);
     declare_reading(tool, o);
-    tool.add_output(o.output, "Image, .exr or .png");
-    tool.add_format(o.format);
-    tool.app.add_flag("--half", o.half, "Write 16-bit floats");
-    tool.app.add_option("--exposure", o.exposure_stops,
-                        "Stops by which PNG pictures are brightened");
+    cli::add_render_output(tool, o.output, "Image, .exr or .png");
     tool.app.add_option("--spp", o.sample.spp, "Samples per pixel")->check(CLI::Range(1, 1 << 24));
     cli::add_path_options(tool, o.sample.read.roulette_depth, o.sample.read.all_lights);
     tool.app
@@ -138,75 +124,54 @@ void check_cache(const Options& o, const CacheHeader& header, const Scene& scene
                           "part of the mean; tracing there would count light twice");
 }
 
-void run(Options& o, cli::Session& session) {
-    file_format(o.output, o.format);
-    ReadConfig& read = o.sample.read;
-    if ((o.sample.layers & kLayerVariance) && o.sample.spp < 2)
-        throw usage_error("--layers variance needs --spp 2 or more");
-    const cli::OpenScene open = cli::open_scene(session, o.scene, cli::LightNeed::required);
-
-    // Make scene and cache ready.
+// The scene and its cache, ready to be asked.
+struct Prepared {
     std::unique_ptr<PosedScene> posed;
     std::unique_ptr<ReadTable> table;
-    std::unique_ptr<OpenSides> sides;
-    std::unique_ptr<ShaftCandidates> candidates;
+    std::unique_ptr<OpenSides> sides;            // none: all are open
+    std::unique_ptr<ShaftCandidates> candidates; // none: the scene's tree is asked
     uint64_t photons = 0;
+};
+
+LightCache read_fitting_cache(const Options& o, const Scene& scene, cli::Session& session) {
+    const auto timer = session.phase("load");
+    session.stats().input.push_back(o.cache);
+    LightCache cache = read_cache(o.cache);
+    check_cache(o, cache.header, scene);
+    if (cache.header.estimator != Estimator::energy)
+        session.warn(fmt::format("{}: of the estimator {}, which is not radiometric", o.cache,
+                                 name_of(cache.header.estimator)));
+    return cache;
+}
+
+Prepared prepared(Options& o, const cli::OpenScene& open, cli::Session& session) {
+    const LightCache cache = read_fitting_cache(o, open.scene, session);
+    o.sample.read.max_depth = o.max_depth > 0 ? o.max_depth : cache.header.max_depth;
+    o.sample.blur_metres = o.blur ? blur_metres(*o.blur, cache.header.cell) : cache.header.blur;
+    if (o.use_candidates && (o.sample.blur_metres > 0 || o.sample.read.shaft_jitter > 0))
+        throw usage_error("--occlusion candidates knows shafts as they are, without --blur "
+                          "and --shaft-jitter");
+    Prepared p;
+    p.photons = cache.header.photon_count();
     {
-        session.stats().input.push_back(o.cache);
-        LightCache cache;
-        {
-            const auto timer = session.phase("load");
-            cache = read_cache(o.cache);
-        }
         const auto timer = session.phase("build");
-        check_cache(o, cache.header, open.scene);
-        photons = cache.header.photon_count();
-        read.max_depth = o.max_depth > 0 ? o.max_depth : cache.header.max_depth;
-        if (cache.header.estimator != Estimator::energy)
-            session.warn(fmt::format("{}: of the estimator {}, which is not radiometric", o.cache,
-                                     name_of(cache.header.estimator)));
-        posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
-        const ReadTableConfig config{o.smoothing.value_or(kDefaultSmoothing)};
+        p.posed = std::make_unique<PosedScene>(open.scene, open.space, 0, session.workers());
         if (cache.header.estimator == Estimator::energy)
-            sides = std::make_unique<OpenSides>(posed->rays(), LightEmission(posed->lights()),
-                                                session.workers());
-        table = std::make_unique<ReadTable>(cache, open.space, posed->lights(), config,
-                                            session.workers());
-        o.sample.blur_metres = o.blur ? blur_metres(*o.blur, cache.header.cell) : cache.header.blur;
-        if (o.use_candidates && (o.sample.blur_metres > 0 || read.shaft_jitter > 0))
-            throw usage_error("--occlusion candidates knows shafts as they are, without --blur "
-                              "and --shaft-jitter");
+            p.sides = std::make_unique<OpenSides>(p.posed->rays(), LightEmission(p.posed->lights()),
+                                                  session.workers());
+        const ReadTableConfig config{o.smoothing.value_or(kDefaultSmoothing)};
+        p.table = std::make_unique<ReadTable>(cache, open.space, p.posed->lights(), config,
+                                              session.workers());
     }
     if (o.use_candidates) {
         const auto timer = session.phase("candidates");
-        candidates = std::make_unique<ShaftCandidates>(posed->world(), *table, session.workers());
+        p.candidates =
+            std::make_unique<ShaftCandidates>(p.posed->world(), *p.table, session.workers());
     }
+    return p;
+}
 
-    // Render and write.
-    const auto [width, height] = o.scene.size;
-    const PixelCamera camera = pixel_camera(open.camera, open.scene, open.space, 0, width, height);
-    SampleResult result;
-    {
-        const auto timer = session.phase("render");
-        result = sample_frame(*posed, camera, *table, candidates.get(), sides.get(),
-                              fresh_seeds(o.seed, 0, width, height), o.sample, session.workers(),
-                              session.progress());
-    }
-    session.stats().discarded_samples = result.discarded_samples;
-    if (o.strict && result.discarded_samples > 0)
-        throw input_error("{}: {} samples are not finite", o.scene.paths.front(),
-                          result.discarded_samples);
-    result.image.metadata = camera_metadata(camera);
-    result.image.metadata["ql:spp"] = o.sample.spp;
-    result.image.metadata["ql:max_depth"] = read.max_depth;
-    result.image.metadata["ql:seed"] = std::to_string(o.seed);
-    result.image.metadata["ql:photons"] = std::to_string(photons);
-    ImageWriteConfig write = session.image_config();
-    write.format = o.format;
-    write.depth = o.half ? FloatDepth::half : FloatDepth::float32;
-    write.exposure_stops = o.exposure_stops;
-    session.write_image(o.output, result.image, write);
-
+void report(const SampleResult& result, const Prepared& p, cli::Session& session) {
     const ReadCounts& counts = result.counts;
     session.stats().rays = {{"camera", counts.rays.camera},
                             {"indirect", counts.rays.indirect},
@@ -214,14 +179,43 @@ void run(Options& o, cli::Session& session) {
     session.stats().result = {{"reads", counts.reads},
                               {"near_hits", counts.near_hits},
                               {"dark_reads", counts.dark},
-                              {"table_memory_bytes", table->memory_bytes()}};
-    if (candidates) {
-        session.stats().result["candidates"] = candidates->size();
-        session.stats().result["candidates_memory_bytes"] = candidates->memory_bytes();
+                              {"table_memory_bytes", p.table->memory_bytes()}};
+    if (p.candidates) {
+        session.stats().result["candidates"] = p.candidates->size();
+        session.stats().result["candidates_memory_bytes"] = p.candidates->memory_bytes();
     }
     if (result.discarded_samples > 0)
         session.warn(fmt::format("{} samples were not finite and have been left out",
                                  result.discarded_samples));
+}
+
+void run(Options& o, cli::Session& session) {
+    file_format(o.output.path, o.output.format);
+    if ((o.sample.layers & kLayerVariance) && o.sample.spp < 2)
+        throw usage_error("--layers variance needs --spp 2 or more");
+    const cli::OpenScene open = cli::open_scene(session, o.scene, cli::LightNeed::required);
+    const Prepared p = prepared(o, open, session);
+    const auto [width, height] = o.scene.size;
+    const PixelCamera camera = pixel_camera(open.camera, open.scene, open.space, 0, width, height);
+    SampleResult result;
+    {
+        const auto timer = session.phase("render");
+        result = sample_frame(*p.posed, camera, *p.table, p.candidates.get(), p.sides.get(),
+                              fresh_seeds(o.seed, 0, width, height), o.sample, session.workers(),
+                              session.progress());
+    }
+    session.stats().discarded_samples = result.discarded_samples;
+    if (o.strict && result.discarded_samples > 0)
+        throw input_error("{}: {} samples are not finite", o.scene.paths.front(),
+                          result.discarded_samples);
+    Metadata& header = result.image.metadata;
+    header = camera_metadata(camera);
+    header["ql:spp"] = o.sample.spp;
+    header["ql:max_depth"] = o.sample.read.max_depth;
+    header["ql:seed"] = std::to_string(o.seed);
+    header["ql:photons"] = std::to_string(p.photons);
+    session.write_image(o.output.path, result.image, cli::image_config(session, o.output));
+    report(result, p, session);
 }
 
 } // namespace

@@ -97,7 +97,7 @@ void render_one(const Options& o, const cli::OpenScene& open, const PosedScene& 
     using Clock = std::chrono::steady_clock;
     const PixelCamera camera =
         pixel_camera(open.camera, open.scene, open.space, frame / o.scene.fps, o.scene.size.width,
-                     o.scene.size.height);
+                     o.scene.size.height, posed.world().bounds);
     RsmConfig config = o.rsm.config;
     config.frame = uint32_t(frame);
     config.gather.bound = cli::geometry_bound(o.rsm.clamp, open.space);

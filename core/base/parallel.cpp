@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <thread>
 
 namespace ql {
 
@@ -11,7 +12,8 @@ namespace {
 int usable_processors() {
     cpu_set_t set;
     CPU_ZERO(&set);
-    if (sched_getaffinity(0, sizeof(set), &set) != 0) return 1;
+    if (sched_getaffinity(0, sizeof(set), &set) != 0) // more processors than the set can name
+        return std::max(1, int(std::thread::hardware_concurrency()));
     return std::max(1, CPU_COUNT(&set));
 }
 

@@ -225,7 +225,9 @@ class Run {
         const bool equilibrium = m_config.schedule == AnnealSchedule::kirkpatrick;
         const int64_t first = m_result.steps;
         const int64_t accepted_before = m_since_row.accepted;
-        const int64_t accept_limit = equilibrium ? accepted_before + m_equilibrium : INT64_MAX;
+        const int64_t accept_limit =
+            equilibrium ? accepted_before + std::min(m_equilibrium, INT64_MAX - accepted_before)
+                        : INT64_MAX;
         CounterRandom random(m_config.seed, m_config.stream << 40 | uint64_t(k));
         while (!m_result.out_of_time) {
             const int64_t left = std::min(proposals_left(k, first), m_steps - m_result.steps);
@@ -269,9 +271,11 @@ class Run {
         const double seconds = std::chrono::duration<double>(Clock::now() - m_begin).count();
         m_result.out_of_time = seconds >= m_config.time_limit_seconds;
         // Pace: as many steps as fit at the speed so far.
+        constexpr double kMostSteps = 0x1p61;
         if (m_config.steps == 0 && seconds > 0)
-            m_steps = m_result.steps + int64_t(double(m_result.steps) / seconds *
-                                               (m_config.time_limit_seconds - seconds));
+            m_steps = m_result.steps +
+                      int64_t(std::min(kMostSteps, double(m_result.steps) / seconds *
+                                                       (m_config.time_limit_seconds - seconds)));
     }
 
     void report(double temperature) {

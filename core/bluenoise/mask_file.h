@@ -2,7 +2,7 @@
 //
 // In EXR a threshold is (rank + 0.5) / n, from which the rank comes back exactly for n <= 2^24. In
 // a PNG of 16 bits the sample is floor(65536 (rank + 0.5) / n): distinct, and the rank comes back
-// as floor(sample * n / 65536), for n <= 65536; larger masks share samples evenly.
+// as floor((2 sample + 1) n / 131072), for n <= 65536; larger masks share samples evenly.
 // One channel is named Y, several R G B A. Pure functions.
 #pragma once
 

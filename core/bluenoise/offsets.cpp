@@ -1,7 +1,6 @@
 #include "bluenoise/offsets.h"
 
 #include "base/array2d.h"
-#include "base/error.h"
 
 #include <cmath>
 #include <numeric>
@@ -35,13 +34,6 @@ int r2_offset(int64_t frame, double rate, int n) {
 }
 
 } // namespace
-
-OffsetKind offset_kind(const std::string& name) {
-    if (name == "lattice") return OffsetKind::lattice;
-    if (name == "r2") return OffsetKind::r2;
-    if (name == "thesis") return OffsetKind::thesis;
-    throw usage_error("offsets '{}', expected lattice, r2 or thesis", name);
-}
 
 Imath::V2i lattice_step(int width, int height) {
     return {coprime_step(width, kRateX), coprime_step(height, kRateY)};

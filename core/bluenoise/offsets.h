@@ -12,15 +12,11 @@
 #include <Imath/ImathVec.h>
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace ql {
 
 enum class OffsetKind { lattice, r2, thesis };
-
-// "lattice", "r2" or "thesis". Errors: ErrorKind::usage.
-OffsetKind offset_kind(const std::string& name);
 
 struct MaskOffsets {
     OffsetKind kind = OffsetKind::lattice;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ql {
 
@@ -208,7 +209,13 @@ Array2D<float> demodulated(const Array2D<float>& intensity, const Image& guides,
 std::optional<MotionPlanes> motion_planes(const Image& image) {
     const auto *x = image.find("motion.X"), *y = image.find("motion.Y");
     if (!x || !y) return std::nullopt;
-    return MotionPlanes{*x, *y};
+    MotionPlanes motion{*x, *y};
+    const auto* depth = image.find("Z");
+    const auto* id = image.find_uint("id");
+    for (size_t i = 0; i < motion.x.size(); ++i)
+        if (depth ? !((*depth)[i] > 0) : id && (*id)[i] == 0)
+            motion.x[i] = motion.y[i] = std::numeric_limits<float>::quiet_NaN();
+    return motion;
 }
 
 Array2D<uint32_t> surface_numbers(const Image& guides) {

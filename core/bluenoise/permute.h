@@ -102,7 +102,8 @@ Array2D<float> intensity_plane(const Image& image, const std::string& path);
 Array2D<float> demodulated(const Array2D<float>& intensity, const Image& guides,
                            const std::string& path);
 
-// Motion planes motion.X, motion.Y, if there.
+// Motion planes motion.X, motion.Y, if there; not finite where Z, or else id, says that nothing was
+// hit.
 std::optional<MotionPlanes> motion_planes(const Image& image);
 
 // A number for each pixel, equal where surfaces are alike: object "id" (unsigned) if there, the

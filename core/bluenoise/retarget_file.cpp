@@ -122,6 +122,10 @@ std::vector<RetargetTexture> retarget_textures(const std::vector<Image>& parts,
         texture.step = header_pair(part, "ql:step", path);
         texture.step = {wrap(texture.step.x, part.width), wrap(texture.step.y, part.height)};
         texture.motion = header_pair(part, "ql:motion", path);
+        for (const int64_t move : {texture.motion.x, texture.motion.y})
+            if (std::abs(move) > kMaxRetargetMove)
+                throw input_error("{}: a motion of {} px, expected at most {}", path, move,
+                                  kMaxRetargetMove);
         texture.radius_px = header_number<int>(part, "ql:radius_px", path);
         texture.report.energy_initial = header_number<int64_t>(part, "ql:energy_initial", path);
         texture.report.energy = header_number<int64_t>(part, "ql:energy", path);

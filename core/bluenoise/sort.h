@@ -3,8 +3,8 @@
 // screen space by permuting pixel seeds between frames", CGF 38(4), 2019, algorithm 1.
 //
 // Blocks at the border are cut off by it. Equal intensities are put in the order of a hash of their
-// seeds, equal mask values in the order of a hash of their place in the tile: never by position.
-// The result does not depend on the number of threads.
+// seeds, equal mask values in the order of a hash of their place in the tile; by position only
+// where the 18 bits of the hash agree, too. The result does not depend on the number of threads.
 #pragma once
 
 #include "base/array2d.h"

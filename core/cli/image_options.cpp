@@ -1,23 +1,21 @@
 #include "cli/image_options.h"
 
+#include "image/atomic_file.h"
+
 #include <cmath>
 
 namespace ql::cli {
 
 namespace {
 
-std::string shown_name(const std::string& path) {
-    return path == "-" ? "standard input" : path;
-}
-
 Image chosen_part(std::vector<Image> parts, const std::string& part, const std::string& path) {
     if (part.empty()) {
         if (parts.size() == 1) return std::move(parts.front());
-        throw input_error("{}: {} parts, choose one with --part", shown_name(path), parts.size());
+        throw input_error("{}: {} parts, choose one with --part", input_name(path), parts.size());
     }
     for (size_t i = 0; i < parts.size(); ++i)
         if (parts[i].name == part || fmt::format("{}", i) == part) return std::move(parts[i]);
-    throw input_error("{}: no part {} among {}", shown_name(path), part, parts.size());
+    throw input_error("{}: no part {} among {}", input_name(path), part, parts.size());
 }
 
 std::vector<std::string> chosen_channels(const Image& image, const ImageSelection& selection) {
@@ -70,20 +68,20 @@ Image read_selected(Session& session, const std::string& path, const ImageSelect
     const Image image = chosen_part(session.read_image_parts(path, config), selection.part, path);
     const std::vector<std::string> names = chosen_channels(image, selection);
     if (names.empty())
-        throw input_error("{}: no float channels{} among {}", shown_name(path),
+        throw input_error("{}: no float channels{} among {}", input_name(path),
                           selection.layer.empty() ? "" : " " + selection.layer + ".*",
                           image.channel_names());
     const Rectangle crop = selection.crop.value_or(Rectangle{0, 0, image.width, image.height});
     if (crop.width > image.width - crop.x || crop.height > image.height - crop.y)
         throw input_error("{}: {} x {} pixels, the rectangle {},{},{},{} is not inside",
-                          shown_name(path), image.width, image.height, crop.x, crop.y, crop.width,
+                          input_name(path), image.width, image.height, crop.x, crop.y, crop.width,
                           crop.height);
     Image result(crop.width, crop.height);
     result.source_bits = image.source_bits;
     for (const std::string& name : names) {
         const Array2D<float>* plane = image.find(name);
         if (!plane)
-            throw input_error("{}: no float channel {} among {}", shown_name(path), name,
+            throw input_error("{}: no float channel {} among {}", input_name(path), name,
                               image.channel_names());
         result.plane(name) = cropped(*plane, crop);
     }

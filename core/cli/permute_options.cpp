@@ -1,6 +1,7 @@
 #include "cli/permute_options.h"
 
 #include "bluenoise/sort.h"
+#include "cli/choice.h"
 
 namespace ql::cli {
 
@@ -11,15 +12,20 @@ CLI::Option* add_permute_options(Tool& tool, PermuteOptions& options) {
                         "Channel of the mask, if it has several");
     tool.app.add_option("--retarget", options.retarget, "Textures of bn-anneal for this mask")
         ->type_name("FILE");
-    tool.app.add_option("--offsets", options.offsets, "How the mask moves from frame to frame")
-        ->check(CLI::IsMember({"lattice", "r2", "thesis"}));
+    add_choice<OffsetKind>(
+        tool, "--offsets", options.offsets,
+        {{"lattice", OffsetKind::lattice}, {"r2", OffsetKind::r2}, {"thesis", OffsetKind::thesis}},
+        "How the mask moves from frame to frame");
     tool.app
         .add_option("--block", options.config.block_px,
                     "Side of the blocks that are sorted, pixels; 1: no sort")
         ->check(CLI::Range(1, kMaxSortBlock));
     tool.app.add_flag("--block-jitter", options.jitter, "Another lattice of blocks each frame");
-    tool.app.add_option("--reproject", options.reproject, "Follow motion: of the image or by tile")
-        ->check(CLI::IsMember({"off", "image", "tile"}));
+    add_choice<ReprojectMode>(tool, "--reproject", options.config.reproject,
+                              {{"off", ReprojectMode::off},
+                               {"image", ReprojectMode::image},
+                               {"tile", ReprojectMode::tile}},
+                              "Follow motion: of the image or by tile");
     tool.app
         .add_option("--refresh", options.config.refresh_frames,
                     "Fresh seeds for every K-th frame; 0: never")
@@ -28,7 +34,7 @@ CLI::Option* add_permute_options(Tool& tool, PermuteOptions& options) {
 }
 
 PermuteInputs read_permute_inputs(Session& session, const PermuteOptions& options) {
-    if (options.reproject != "off" && options.retarget.empty())
+    if (options.config.reproject != ReprojectMode::off && options.retarget.empty())
         throw usage_error("--reproject needs --retarget");
     PermuteInputs inputs{
         mask_from_image(session.read_image(options.mask), options.mask_channel, options.mask),
@@ -37,11 +43,8 @@ PermuteInputs read_permute_inputs(Session& session, const PermuteOptions& option
     for (const std::string& path : options.retarget)
         for (RetargetTexture& texture : retarget_textures(session.read_image_parts(path), path))
             inputs.textures.push_back(std::move(texture));
-    inputs.config.offsets =
-        permute_offsets(offset_kind(options.offsets), inputs.mask, inputs.textures);
+    inputs.config.offsets = permute_offsets(options.offsets, inputs.mask, inputs.textures);
     inputs.config.block_jitter = options.jitter ? BlockJitter::on : BlockJitter::off;
-    if (options.reproject == "image") inputs.config.reproject = ReprojectMode::image;
-    if (options.reproject == "tile") inputs.config.reproject = ReprojectMode::tile;
     return inputs;
 }
 

@@ -12,9 +12,9 @@ namespace ql::cli {
 struct PermuteOptions {
     std::string mask, mask_channel;
     std::vector<std::string> retarget;
-    std::string offsets = "lattice", reproject = "off";
+    OffsetKind offsets = OffsetKind::lattice;
     bool jitter = false;
-    PermuteConfig config;
+    PermuteConfig config; // but for the offsets of the mask
 };
 
 // Returns the option --mask, so that a tool can require it.

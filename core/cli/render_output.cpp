@@ -8,8 +8,10 @@ void add_render_output(Tool& tool, RenderOutput& output, const std::string& what
     tool.add_output(output.path, what);
     tool.add_format(output.format);
     tool.app.add_flag("--half", output.half, "Write 16-bit floats");
-    tool.app.add_option("--exposure", output.exposure_stops,
-                        "Stops by which PNG pictures are brightened");
+    tool.app
+        .add_option("--exposure", output.exposure_stops,
+                    "Stops by which PNG pictures are brightened")
+        ->check(CLI::Range(-100.0, 100.0));
 }
 
 ImageWriteConfig image_config(const Session& session, const RenderOutput& output) {

@@ -111,10 +111,6 @@ void add_image_options(Tool& tool, RsmOptions& o) {
         "Time the gather's shadow rays against the same rays alone");
 }
 
-bool given(const Tool& tool, const std::string& option) {
-    return tool.app.get_option(option)->count() > 0;
-}
-
 void check(const Tool& tool, const RsmOptions& o) {
     const GatherConfig& g = o.config.gather;
     const bool thesis = g.weights == PatternWeights::thesis;
@@ -123,7 +119,7 @@ void check(const Tool& tool, const RsmOptions& o) {
         throw usage_error("{} is for --gather pattern", thesis ? "--weights thesis" : "--mips on");
     if (g.gather == Gather::full)
         for (const char* option : {"--samples", "--radius", "--rotate"})
-            if (given(tool, option))
+            if (tool.is_given(option))
                 throw usage_error("{}: --gather full takes every texel", option);
     if (!o.mask.empty() && o.config.rotation != Rotation::blue)
         throw usage_error("--mask is for --rotate blue");
@@ -159,23 +155,23 @@ void add_rsm_options(Tool& tool, RsmOptions& options) {
 void settle_rsm_options(const Tool& tool, RsmOptions& o, Json& used) {
     GatherConfig& g = o.config.gather;
     const bool thesis = g.weights == PatternWeights::thesis;
-    if (thesis && !given(tool, "--gather")) {
+    if (thesis && !tool.is_given("--gather")) {
         g.gather = Gather::pattern;
         used["gather"] = "pattern";
     }
-    if (thesis && !given(tool, "--mips")) {
+    if (thesis && !tool.is_given("--mips")) {
         g.mips = MipUse::on;
         used["mips"] = "on";
     }
-    if (thesis && !given(tool, "--clamp")) {
+    if (thesis && !tool.is_given("--clamp")) {
         o.clamp = {RsmClamp::Kind::distance, 1};
         used["clamp"] = "distance=1";
     }
-    if (o.config.compensate == Compensate::yes && !given(tool, "--texels")) {
+    if (o.config.compensate == Compensate::yes && !tool.is_given("--texels")) {
         o.config.map.point = TexelPoint::jittered;
         used["texels"] = "jittered";
     }
-    if (o.time_limit_seconds > 0 && !given(tool, "--spp")) {
+    if (o.time_limit_seconds > 0 && !tool.is_given("--spp")) {
         o.passes = kUnlimitedPasses;
         used.erase("spp");
     }

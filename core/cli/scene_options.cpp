@@ -1,5 +1,6 @@
 #include "cli/scene_options.h"
 
+#include "geometry/embree_scene.h"
 #include "image/frame_range.h"
 #include "scene/features.h"
 #include "scene/gltf_load.h"
@@ -17,12 +18,14 @@ V3d parse_vector(const std::string& text, const std::string& option) {
 } // namespace
 
 void add_scene_options(Tool& tool, SceneOptions& options) {
+    tool.add_library(embree_version());
     tool.app
         .add_option("scene", options.paths, "glTF files (.gltf, .glb), put together into one scene")
         ->type_name("SCENE")
         ->required();
-    tool.app.add_option("--camera", options.camera.name, "Camera of the scene, by name or index")
-        ->type_name("NAME|INDEX");
+    auto* camera = tool.app.add_option("--camera", options.camera.name,
+                                       "Camera of the scene, by name or index");
+    camera->type_name("NAME|INDEX");
     auto* from = tool.app.add_option_function<std::string>(
         "--look-from",
         [&options](const std::string& text) {
@@ -36,7 +39,7 @@ void add_scene_options(Tool& tool, SceneOptions& options) {
             options.camera.look_at = parse_vector(text, "--look-at");
         },
         "Point in the middle of the image");
-    from->type_name("X,Y,Z")->needs(at);
+    from->type_name("X,Y,Z")->needs(at)->excludes(camera);
     at->type_name("X,Y,Z")->needs(from);
     tool.app.add_option("--fov", options.camera.fov_degrees, "Vertical angle of view in degrees")
         ->type_name("DEG")

@@ -27,8 +27,6 @@ struct OpenScene {
     Scene scene;
     RenderSpace space;
     ChosenCamera camera;
-
-    double time_of(int frame, double fps) const { return frame / fps; }
 };
 
 enum class LightNeed { required, provided_elsewhere };

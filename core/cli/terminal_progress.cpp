@@ -1,5 +1,7 @@
 #include "cli/terminal_progress.h"
 
+#include "cli/standard_error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,15 +53,15 @@ void TerminalProgress::draw() {
     const double done = double(m_done.load());
     const double share = std::min(1.0, done / double(m_total));
     const double left = share > 0 ? seconds * (1 - share) / share : 0;
-    fmt::print(stderr, "\r\033[K{} {:3.0f} %  {}  {:.0f} s left", m_what, 100 * share,
-               shown_rate(done / std::max(seconds, 1e-9)), left);
+    print_error(fmt::format("\r\033[K{} {:3.0f} %  {}  {:.0f} s left", m_what, 100 * share,
+                            shown_rate(done / std::max(seconds, 1e-9)), left));
     std::fflush(stderr);
     m_drawn = true;
 }
 
 void TerminalProgress::erase() {
     if (!m_drawn) return;
-    fmt::print(stderr, "\r\033[K");
+    print_error("\r\033[K");
     std::fflush(stderr);
     m_drawn = false;
 }

@@ -2,6 +2,7 @@
 
 #include "base/one_line.h"
 #include "cli/signals.h"
+#include "cli/standard_error.h"
 #include "cli/terminal_progress.h"
 #include "image/atomic_file.h"
 #include "version.h"
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -73,11 +75,21 @@ Json json_value(const std::string& text) {
     return parsed.is_number() || parsed.is_boolean() ? parsed : Json(text);
 }
 
-// CLI11 takes an empty text for the number 0, and lets it pass where it asks for one of several.
-void refuse_empty_values(const CLI::App& app) {
+bool takes_numbers(const CLI::Option& option) {
+    const std::string type = option.get_type_name(); // with its checks
+    return type.find("FLOAT") != type.npos || type.find("POSITIVE") != type.npos ||
+           type.find("NONNEGATIVE") != type.npos;
+}
+
+// CLI11 takes an empty text for the number 0, lets it pass where it asks for one of several, and
+// finds NaN within any range.
+void refuse_odd_values(const CLI::App& app) {
     for (const CLI::Option* option : app.get_options())
-        for (const std::string& value : option->results())
+        for (const std::string& value : option->results()) {
             if (value.empty()) throw usage_error("{}: the value is empty", option->get_name());
+            if (takes_numbers(*option) && !std::isfinite(std::strtod(value.c_str(), nullptr)))
+                throw usage_error("{}: '{}', expected a finite number", option->get_name(), value);
+        }
 }
 
 } // namespace
@@ -118,7 +130,7 @@ Session::Session(std::string tool, int threads, std::unique_ptr<Progress> progre
 
 void Session::say(const std::string& kind, const std::string& message) {
     m_progress->finish();
-    fmt::print(stderr, "{}: {}{}\n", m_tool, kind, one_line(message));
+    print_error(fmt::format("{}: {}{}\n", m_tool, kind, one_line(message)));
 }
 
 void Session::warn(const std::string& message) {
@@ -253,15 +265,15 @@ CLI::Option* Tool::add_size(const std::string& flags, Size& size, const std::str
 std::string Tool::version() const {
     std::string text = fmt::format("{} {} (git {})\n", m_info.name, kVersion, kGitCommit);
     if (m_verbosity > 0)
-        text += fmt::format("{}, oneTBB {}.{}, CLI11 {}, nlohmann-json {}.{}.{}\n",
+        text += fmt::format("{}, oneTBB {}.{}, CLI11 {}, nlohmann-json {}.{}.{}{}\n",
                             image_library_versions(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
                             CLI11_VERSION, NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
-                            NLOHMANN_JSON_VERSION_PATCH);
+                            NLOHMANN_JSON_VERSION_PATCH, m_libraries);
     return text;
 }
 
 int Tool::report(const std::string& message, int status) const {
-    fmt::print(stderr, "{}: {}\n", m_info.name, one_line(message));
+    print_error(fmt::format("{}: {}\n", m_info.name, one_line(message)));
     return status;
 }
 
@@ -274,7 +286,8 @@ Json Tool::used_options() const {
     for (const CLI::Option* option : app.get_options()) {
         std::string name = option->get_single_name();
         if (left_out.contains(name)) continue;
-        std::replace(name.begin(), name.end(), '-', '_');
+        for (char& c : name)
+            c = c == '-' ? '_' : char(std::tolower(c));
         const auto results = option->reduced_results();
         if (option->get_items_expected_max() > 1) { // an array, of however many values
             config[name] = Json::array();
@@ -304,10 +317,9 @@ int Tool::parse(int argc, char** argv) {
     m_verbosity = 0;
     try {
         app.parse(argc, argv);
-        refuse_empty_values(app);
+        refuse_odd_values(app);
         return 0;
     } catch (const CLI::CallForHelp&) {
-        // Not by fmt::print, whose exception would say that this is a bug.
         const std::string help = app.help();
         if (std::fwrite(help.data(), 1, help.size(), stdout) != help.size())
             return report("standard output cannot be written", kExitOutput);

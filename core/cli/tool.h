@@ -86,6 +86,12 @@ class Tool {
     CLI::App app;
 
     // Options that several tools have, with the same meaning in each.
+    // To be named by --version --verbose, beside those of all tools.
+    void add_library(const std::string& name_and_version) {
+        m_libraries += ", " + name_and_version;
+    }
+    bool is_given(const std::string& option) const { return app.get_option(option)->count() > 0; }
+
     CLI::Option* add_seed(uint64_t& seed);
     CLI::Option* add_output(std::string& path, const std::string& what);
     CLI::Option* add_format(FileFormat& format);
@@ -108,6 +114,7 @@ class Tool {
     int m_verbosity = 0;
     std::string m_progress = "auto";
     std::string m_stats_path;
+    std::string m_libraries; // of this tool alone
 };
 
 // Accepts "WxH" with both sides in [1, 2^20].

@@ -4,6 +4,7 @@
 #include "bluenoise/sort.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace ql {
 
@@ -33,15 +34,16 @@ uint32_t estimate_seed(uint64_t seed, int x, int y, int frame, int k) {
 
 } // namespace
 
-FrameSequence::FrameSequence(const SequenceConfig& config, std::optional<Mask> mask,
+FrameSequence::FrameSequence(const SequenceConfig& config, const std::optional<Mask>& mask,
                              std::vector<RetargetTexture> textures, int width, int height)
-    : m_config(config), m_width(width), m_height(height), m_mask(std::move(mask)) {
+    : m_config(config), m_width(width), m_height(height) {
     if (config.distribution == Distribution::white) return;
-    QL_CHECK(m_mask.has_value());
-    m_ranks = unique_ranks(m_mask->values);
+    QL_CHECK(mask.has_value());
     m_config.permute.seed = config.seed;
     if (config.distribution == Distribution::temporal)
-        m_permuter.emplace(*m_mask, std::move(textures), m_config.permute, width, height);
+        m_permuter.emplace(*mask, std::move(textures), m_config.permute, width, height);
+    else
+        m_ranks = unique_ranks(mask->values);
 }
 
 void FrameSequence::set_seeds(const Array2D<uint32_t>& seeds, int frame) {
@@ -73,9 +75,10 @@ FrameResult FrameSequence::render_with(const FrameView& view, const Array2D<uint
     return render_frame(view.scene, view.camera, seeds, config, &view.next, workers, progress);
 }
 
-// Of each pixel's estimates, the seed of the one whose rank is the mask's quantile.
+// Of each pixel's estimates, the seed of the one whose rank is the mask's quantile. spent: takes
+// the rays and what was discarded.
 Array2D<uint32_t> FrameSequence::quantile_seeds(const FrameView& view, const Workers& workers,
-                                                Progress& progress) const {
+                                                Progress& progress, FrameResult& spent) const {
     const size_t k_count = size_t(m_config.estimates);
     const size_t pixels = size_t(m_width) * size_t(m_height);
     std::vector<float> estimates(pixels * k_count);
@@ -87,11 +90,17 @@ Array2D<uint32_t> FrameSequence::quantile_seeds(const FrameView& view, const Wor
             for (int x = 0; x < m_width; ++x)
                 seeds(x, y) = estimate_seed(m_config.seed, x, y, view.frame, k);
         const FrameResult result = render_with(view, seeds, plain, workers, progress);
+        spent.rays.add(result.rays);
+        spent.discarded_samples += result.discarded_samples;
         const Array2D<float> intensity = intensity_plane(result.image, "frame");
         for (size_t i = 0; i < pixels; ++i)
             estimates[i * k_count + size_t(k)] = intensity[i];
     }
-    const Imath::V2i offset = mask_offset(m_config.permute.offsets, view.frame);
+    // Estimates are fresh in every frame: after a round of offsets the mask jumps.
+    const MaskOffsets& offsets = m_config.permute.offsets;
+    const Imath::V2i offset =
+        mask_offset(offsets, view.frame) +
+        mask_jumps(offsets, view.frame / std::lcm(offsets.width, offsets.height));
     workers.for_each(size_t(m_height), [&](size_t row) {
         const int y = int(row);
         std::vector<int> order(k_count);
@@ -119,7 +128,7 @@ FrameResult FrameSequence::render_temporal(const FrameView& view, const Workers&
 
     // Render with the guides that the passes need.
     uint32_t guides = 0;
-    if (m_config.permute.reproject != ReprojectMode::off) guides |= kAovMotion;
+    if (m_config.permute.reproject != ReprojectMode::off) guides |= kAovMotion | kAovId;
     if (m_config.similar == SimilarSurfaces::on) guides |= kAovId | kAovNormal | kAovAlbedo;
     if (m_config.demodulate == Demodulate::on) guides |= kAovAlbedo;
     RenderConfig config = m_config.render;
@@ -155,14 +164,18 @@ FrameResult FrameSequence::render(const FrameView& view, const Workers& workers,
         tile = dither_tile(view.frame);
         config.dither = &tile;
     }
+    FrameResult spent;
     if (m_config.distribution == Distribution::histogram)
-        m_seeds = quantile_seeds(view, workers, progress);
+        m_seeds = quantile_seeds(view, workers, progress, spent);
     else if (!m_next_seeds.empty())
         m_seeds = std::move(m_next_seeds);
     else
         m_seeds = fresh_seeds(m_config.seed, view.frame, m_width, m_height);
     m_next_seeds = {};
-    return render_with(view, m_seeds, config, workers, progress);
+    FrameResult result = render_with(view, m_seeds, config, workers, progress);
+    result.rays.add(spent.rays);
+    result.discarded_samples += spent.discarded_samples;
+    return result;
 }
 
 } // namespace ql

@@ -42,7 +42,7 @@ class FrameSequence {
   public:
     // A mask is needed for all but white; textures serve temporal alone.
     // Errors: ErrorKind::usage or input from Permuter.
-    FrameSequence(const SequenceConfig& config, std::optional<Mask> mask,
+    FrameSequence(const SequenceConfig& config, const std::optional<Mask>& mask,
                   std::vector<RetargetTexture> textures, int width, int height);
 
     // Seeds of the next frame to be rendered, of the image's size or padded to whole tiles.
@@ -61,15 +61,14 @@ class FrameSequence {
                             const RenderConfig& config, const Workers& workers,
                             Progress& progress) const;
     Array2D<uint32_t> quantile_seeds(const FrameView& view, const Workers& workers,
-                                     Progress& progress) const;
+                                     Progress& progress, FrameResult& spent) const;
     FrameResult render_temporal(const FrameView& view, const Workers& workers, Progress& progress);
     DitherTile dither_tile(int frame) const;
 
     SequenceConfig m_config;
     int m_width, m_height;
-    std::optional<Mask> m_mask;
     std::optional<Permuter> m_permuter;
-    Array2D<uint32_t> m_ranks;
+    Array2D<uint32_t> m_ranks;      // of the mask; dithered and histogram
     Array2D<uint32_t> m_seeds;      // of the last frame
     Array2D<uint32_t> m_next_seeds; // of the next one, if known
 

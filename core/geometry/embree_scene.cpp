@@ -109,7 +109,7 @@ std::optional<QuadricHit> shape_hit(const RayContext& context, uint32_t index, R
             scene.alpha_test->is_solid(*scene.world, index, 0, hit->uv.x, hit->uv.y,
                                        alpha_random(RTCRayN_id(ray, n, i), index, crossing)))
             return hit;
-        t_near = hit->t;
+        t_near = std::nextafter(hit->t, double(kInfinity)); // intersect_shape() rounds
     }
 }
 
@@ -341,7 +341,7 @@ const World& EmbreeScene::world() const {
 }
 
 std::string embree_version() {
-    return RTC_VERSION_STRING;
+    return "Embree " RTC_VERSION_STRING;
 }
 
 } // namespace ql

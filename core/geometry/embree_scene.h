@@ -51,6 +51,6 @@ class EmbreeScene {
     std::unique_ptr<Impl> m_impl;
 };
 
-std::string embree_version();
+std::string embree_version(); // with its name
 
 } // namespace ql

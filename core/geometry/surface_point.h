@@ -21,7 +21,7 @@ struct SurfacePoint {
     int material = 0;
     V2f uv[2] = {{0, 0}, {0, 0}};
     V4f color = {1, 1, 1, 1};
-    V4f tangent = {0, 0, 0, 1}; // xyz zero where there is none
+    V4f tangent = {0, 0, 0, 1}; // of materials with a normal texture; xyz zero where there is none
 };
 
 namespace detail {
@@ -78,10 +78,11 @@ inline void add_shading_normal(const Surface& surface, const Mesh& mesh,
     point.ns = n * ((n.dot(point.ng) < 0 ? -1.0f : 1.0f) / length);
 }
 
-// Where the file has no tangents: the direction in which u grows on this triangle.
+// Where the file has no tangents: the direction in which u of this set grows on this triangle.
 inline void add_derived_tangent(const Surface& surface, const Mesh& mesh,
-                                const std::array<uint32_t, 3>& triangle, SurfacePoint& point) {
-    const std::vector<V2f>& uvs = mesh.uvs[mesh.uvs[0].empty() ? 1 : 0];
+                                const std::array<uint32_t, 3>& triangle, size_t set,
+                                SurfacePoint& point) {
+    const std::vector<V2f>& uvs = mesh.uvs[set];
     if (uvs.empty()) return;
     const V3f e1 = mesh.positions[triangle[1]] - mesh.positions[triangle[0]];
     const V3f e2 = mesh.positions[triangle[2]] - mesh.positions[triangle[0]];
@@ -97,15 +98,20 @@ inline void add_derived_tangent(const Surface& surface, const Mesh& mesh,
     point.tangent = V4f(direction.x, direction.y, direction.z, -sign * surface.winding);
 }
 
-inline void add_texture_coordinates(const Surface& surface, const Mesh& mesh,
-                                    const std::array<uint32_t, 3>& triangle, const Hit& hit,
-                                    SurfacePoint& point) {
+inline void add_texture_coordinates(const Mesh& mesh, const std::array<uint32_t, 3>& triangle,
+                                    const Hit& hit, SurfacePoint& point) {
     for (size_t set = 0; set < 2; ++set)
         if (!mesh.uvs[set].empty())
             point.uv[set] = interpolated(mesh.uvs[set], triangle, hit.u, hit.v);
     if (!mesh.colors.empty()) point.color = interpolated(mesh.colors, triangle, hit.u, hit.v);
+}
+
+// set: of the coordinates of the normal texture.
+inline void add_tangent(const Surface& surface, const Mesh& mesh,
+                        const std::array<uint32_t, 3>& triangle, const Hit& hit, size_t set,
+                        SurfacePoint& point) {
     if (mesh.tangents.empty()) {
-        add_derived_tangent(surface, mesh, triangle, point);
+        add_derived_tangent(surface, mesh, triangle, set, point);
         return;
     }
     const V4f t = interpolated(mesh.tangents, triangle, hit.u, hit.v);
@@ -185,7 +191,10 @@ inline SurfacePoint surface_point(const World& world, const Ray& ray, Hit hit) {
     const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
     const auto& triangle = mesh.triangles[hit.primitive];
     detail::add_shading_normal(surface, mesh, triangle, hit, point);
-    detail::add_texture_coordinates(surface, mesh, triangle, hit, point);
+    detail::add_texture_coordinates(mesh, triangle, hit, point);
+    const TextureUse& normals = world.scene->materials[size_t(point.material)].normal_texture;
+    if (normals.used())
+        detail::add_tangent(surface, mesh, triangle, hit, size_t(normals.uv_set), point);
     return point;
 }
 

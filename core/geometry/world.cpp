@@ -36,9 +36,8 @@ Box3d shape_bounds(const ImplicitShape& shape, const Affine& transform) {
 
 Box3d mesh_bounds(const Mesh& mesh, const Affine& transform) {
     Box3d box;
-    for (const auto& triangle : mesh.triangles)
-        for (const uint32_t vertex : triangle)
-            box.extendBy(transform.point(V3d(mesh.positions[vertex])));
+    for (const V3f& p : mesh.positions) // each is a corner of some triangle
+        box.extendBy(transform.point(V3d(p)));
     return box;
 }
 
@@ -116,11 +115,24 @@ bool has_float_inverse(const Affine& transform) {
     return std::abs(transform.linear.determinant()) > kMinRatio * stretch * stretch * stretch;
 }
 
-struct Posing {
-    const Scene& scene;
-    const std::vector<int> uses;
-    std::vector<std::shared_ptr<const Body>> shared; // per mesh, made on first use
+// A mesh that several nodes share, in a space of its own.
+struct SharedBody {
+    std::shared_ptr<const Body> body; // null: not shared
+    Affine body_from_mesh;
 };
+
+// Meshes that appear more than once and are large enough for it to pay.
+std::vector<SharedBody> shared_bodies(const Scene& scene, const Workers& workers) {
+    const std::vector<int> uses = mesh_use_counts(scene);
+    std::vector<SharedBody> shared(scene.meshes.size());
+    workers.for_each(shared.size(), [&](size_t i) {
+        const Mesh& mesh = scene.meshes[i];
+        if (uses[i] < 2 || mesh.triangles.size() < kMinSharedTriangles) return;
+        shared[i].body_from_mesh = body_from_mesh(mesh);
+        shared[i].body = transformed_body(mesh, shared[i].body_from_mesh);
+    });
+    return shared;
+}
 
 Surface common_surface(int node, const Affine& render_from_node) {
     Surface surface;
@@ -134,34 +146,45 @@ Surface common_surface(int node, const Affine& render_from_node) {
     return surface;
 }
 
-Surface mesh_surface(Posing& posing, int node, int mesh_index, const Affine& render_from_node) {
-    const Mesh& mesh = posing.scene.meshes[size_t(mesh_index)];
-    Surface surface = common_surface(node, render_from_node);
-    surface.mesh = mesh_index;
-    surface.material = mesh.material;
-    surface.instanced = posing.uses[size_t(mesh_index)] > 1 &&
-                        mesh.triangles.size() >= kMinSharedTriangles &&
-                        has_float_inverse(render_from_node);
-    if (!surface.instanced) {
-        surface.body = transformed_body(mesh, render_from_node);
-        return surface;
-    }
-    const Affine to_body = body_from_mesh(mesh);
-    auto& shared = posing.shared[size_t(mesh_index)];
-    if (!shared) shared = transformed_body(mesh, to_body);
-    surface.body = shared;
-    surface.render_from_body = compose(render_from_node, inverse(to_body));
-    surface.body_per_render = largest_stretch(inverse(surface.render_from_body));
-    const Box3d bounds = mesh_bounds(mesh, render_from_node);
-    // Embree transforms the ray: its error scales with the instance and with where it is.
-    surface.offset = 2 * kOffsetFactor * std::max(largest_coordinate(bounds), 1e-6f);
-    return surface;
+bool is_singular(const Affine& transform) {
+    const double d = transform.linear.determinant();
+    return !std::isfinite(d) || d == 0;
 }
 
-Surface shape_surface(const Scene& scene, int node, int shape_index,
-                      const Affine& render_from_node) {
+struct PosedSurface {
+    Surface surface;
+    Box3d bounds; // empty: the transform squashes it to nothing
+};
+
+PosedSurface posed_mesh(const Scene& scene, const SharedBody& shared, int node, int mesh_index,
+                        const Affine& render_from_node) {
+    const Mesh& mesh = scene.meshes[size_t(mesh_index)];
+    PosedSurface posed{common_surface(node, render_from_node), {}};
+    Surface& surface = posed.surface;
+    surface.mesh = mesh_index;
+    surface.material = mesh.material;
+    surface.instanced = shared.body && has_float_inverse(render_from_node);
+    if (!surface.instanced) {
+        surface.body = transformed_body(mesh, render_from_node);
+        for (size_t i = 0; i < mesh.positions.size(); ++i)
+            posed.bounds.extendBy(V3d(surface.body->positions[i]));
+        return posed;
+    }
+    surface.body = shared.body;
+    surface.render_from_body = compose(render_from_node, inverse(shared.body_from_mesh));
+    surface.body_per_render = largest_stretch(inverse(surface.render_from_body));
+    posed.bounds = mesh_bounds(mesh, render_from_node);
+    // Embree transforms the ray: its error scales with the instance and with where it is.
+    surface.offset = 2 * kOffsetFactor * std::max(largest_coordinate(posed.bounds), 1e-6f);
+    return posed;
+}
+
+PosedSurface posed_shape(const Scene& scene, int node, int shape_index,
+                         const Affine& render_from_node) {
     const ImplicitShape& shape = scene.shapes[size_t(shape_index)];
-    Surface surface = common_surface(node, render_from_node);
+    PosedSurface posed{common_surface(node, render_from_node), {}};
+    if (is_singular(render_from_node)) return posed;
+    Surface& surface = posed.surface;
     surface.kind =
         shape.kind == ImplicitShape::Kind::sphere ? Surface::Kind::sphere : Surface::Kind::cone;
     surface.shape = shape_index;
@@ -170,9 +193,9 @@ Surface shape_surface(const Scene& scene, int node, int shape_index,
     surface.render_from_body = render_from_node;
     surface.body_from_render = inverse(render_from_node);
     surface.body_per_render = largest_stretch(surface.body_from_render);
-    const Box3d bounds = shape_bounds(shape, render_from_node);
-    surface.offset = kOffsetFactor * std::max(largest_coordinate(bounds), 1e-6f);
-    return surface;
+    posed.bounds = shape_bounds(shape, render_from_node);
+    surface.offset = kOffsetFactor * std::max(largest_coordinate(posed.bounds), 1e-6f);
+    return posed;
 }
 
 // What moves away must stay where squares of areas are floats.
@@ -184,11 +207,6 @@ void check_reach(const World& world, double time_seconds) {
                 throw input_error("at {} s the scene reaches {:g} times its extent at 0 s, "
                                   "expected at most {:g}",
                                   time_seconds, std::abs(reach), kMaxReach);
-}
-
-bool is_singular(const Affine& transform) {
-    const double d = transform.linear.determinant();
-    return !std::isfinite(d) || d == 0;
 }
 
 } // namespace
@@ -261,8 +279,6 @@ World pose_world(const Scene& scene, const RenderSpace& space, double time_secon
     world.scene = &scene;
     world.space = space;
     world.world_from_node = world_from_nodes(scene, time_seconds);
-    Posing posing{scene, mesh_use_counts(scene), {}};
-    posing.shared.resize(scene.meshes.size());
 
     // Lay out the surfaces first, then transform them in parallel.
     struct Item {
@@ -275,42 +291,20 @@ World pose_world(const Scene& scene, const RenderSpace& space, double time_secon
         for (const int shape : scene.nodes[i].shapes)
             items.push_back({int(i), -1, shape});
     }
+    const std::vector<SharedBody> shared = shared_bodies(scene, workers);
     const Affine to_render = render_from_world(space);
-    const auto render_from_node = [&](int node) {
-        return compose(to_render, affine_from(world.world_from_node[size_t(node)]));
-    };
-    // Shared bodies are made one after the other, so that two threads never make the same one.
-    for (const Item& item : items)
-        if (item.mesh >= 0 && posing.uses[size_t(item.mesh)] > 1 &&
-            !posing.shared[size_t(item.mesh)] &&
-            scene.meshes[size_t(item.mesh)].triangles.size() >= kMinSharedTriangles)
-            posing.shared[size_t(item.mesh)] = transformed_body(
-                scene.meshes[size_t(item.mesh)], body_from_mesh(scene.meshes[size_t(item.mesh)]));
-    std::vector<Surface> surfaces(items.size());
-    std::vector<char> flat(items.size(), 0); // squashed to nothing by its transform
+    std::vector<PosedSurface> posed(items.size());
     workers.for_each(items.size(), [&](size_t i) {
-        const Affine transform = render_from_node(items[i].node);
-        const bool needs_inverse = items[i].shape >= 0;
-        flat[i] = needs_inverse && is_singular(transform);
-        if (flat[i]) return;
-        surfaces[i] = items[i].mesh >= 0
-                          ? mesh_surface(posing, items[i].node, items[i].mesh, transform)
-                          : shape_surface(scene, items[i].node, items[i].shape, transform);
+        const auto& [node, mesh, shape] = items[i];
+        const Affine transform =
+            compose(to_render, affine_from(world.world_from_node[size_t(node)]));
+        posed[i] = mesh >= 0 ? posed_mesh(scene, shared[size_t(mesh)], node, mesh, transform)
+                             : posed_shape(scene, node, shape, transform);
     });
-    for (size_t i = 0; i < items.size(); ++i)
-        if (!flat[i]) world.surfaces.push_back(std::move(surfaces[i]));
-
-    for (const Surface& surface : world.surfaces) {
-        if (surface.shape >= 0)
-            world.bounds.extendBy(
-                shape_bounds(scene.shapes[size_t(surface.shape)], surface.render_from_body));
-        else if (surface.instanced)
-            world.bounds.extendBy(
-                mesh_bounds(scene.meshes[size_t(surface.mesh)], render_from_node(surface.node)));
-        else
-            for (const auto& triangle : scene.meshes[size_t(surface.mesh)].triangles)
-                for (const uint32_t vertex : triangle)
-                    world.bounds.extendBy(V3d(surface.body->positions[vertex]));
+    for (PosedSurface& item : posed) {
+        if (item.bounds.isEmpty()) continue;
+        world.bounds.extendBy(item.bounds);
+        world.surfaces.push_back(std::move(item.surface));
     }
     check_reach(world, time_seconds);
     return world;
@@ -326,6 +320,13 @@ std::array<V3f, 3> triangle_corners(const World& world, uint32_t surface_index,
         corners[i] = surface.instanced ? V3f(surface.render_from_body.point(V3d(p))) : p;
     }
     return corners;
+}
+
+float triangle_offset(const Surface& surface, const std::array<V3f, 3>& corners) {
+    if (surface.instanced) return surface.offset;
+    return kOffsetFactor *
+           std::max({detail::largest_coordinate(corners[0]), detail::largest_coordinate(corners[1]),
+                     detail::largest_coordinate(corners[2])});
 }
 
 } // namespace ql

@@ -13,6 +13,7 @@
 #include <Imath/ImathBox.h>
 #include <Imath/ImathMatrix.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -87,5 +88,8 @@ World pose_world(const Scene& scene, const RenderSpace& space, double time_secon
 
 // The three corners of a triangle in render space.
 std::array<V3f, 3> triangle_corners(const World& world, uint32_t surface, uint32_t primitive);
+
+// How far rays start off that triangle, see kOffsetFactor.
+float triangle_offset(const Surface& surface, const std::array<V3f, 3>& corners);
 
 } // namespace ql

@@ -13,6 +13,7 @@
 #include <climits>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 
 namespace ql {
 
@@ -63,18 +64,16 @@ TemporaryName& free_slot() {
 class TemporaryFile {
   public:
     explicit TemporaryFile(const std::string& target) : m_target(target), m_slot(free_slot()) {
-        if (target.size() + 16 > PATH_MAX) {
+        if (target.size() + 32 > PATH_MAX) {
             m_slot.used = false;
             throw output_error("{}: the path is too long", target.substr(0, 80));
         }
         const size_t slash = target.rfind('/');
         const size_t name_at = slash == std::string::npos ? 0 : slash + 1;
-        const std::string pattern =
-            target.substr(0, name_at) + "." + target.substr(name_at) + ".XXXXXX";
-        std::memcpy(m_slot.path, pattern.c_str(), pattern.size() + 1);
+        const std::string prefix = target.substr(0, name_at) + "." + target.substr(name_at) + ".";
         const SignalsBlocked blocked;
         ++g_creating;
-        if (!g_dying) m_descriptor = mkostemp(m_slot.path, O_CLOEXEC);
+        if (!g_dying) create(prefix);
         const int reason = errno;
         m_slot.exists = m_descriptor >= 0;
         --g_creating;
@@ -96,10 +95,9 @@ class TemporaryFile {
     int descriptor() const { return m_descriptor; }
 
     void rename_to_target() {
-        // mkostemp makes files that only the owner reads; give the permissions of a new file.
-        const mode_t mask = umask(0);
-        umask(mask);
-        fchmod(m_descriptor, 0666 & ~mask);
+        // A file that is there keeps its permissions.
+        struct stat old = {};
+        if (stat(m_target.c_str(), &old) == 0) fchmod(m_descriptor, old.st_mode & 07777);
         const int closed = close(m_descriptor);
         m_descriptor = -1;
         if (closed != 0 || std::rename(m_slot.path, m_target.c_str()) != 0) {
@@ -111,6 +109,18 @@ class TemporaryFile {
     }
 
   private:
+    // Under the first name that is free; the permissions are those of any new file.
+    void create(const std::string& prefix) {
+        static std::atomic<unsigned> g_count = 0;
+        constexpr int kMostAttempts = 1000;
+        for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+            const std::string path = fmt::format("{}{:x}-{:x}", prefix, getpid(), g_count++);
+            std::memcpy(m_slot.path, path.c_str(), path.size() + 1);
+            m_descriptor = open(m_slot.path, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+            if (m_descriptor >= 0 || errno != EEXIST) return;
+        }
+    }
+
     std::string m_target;
     TemporaryName& m_slot;
     int m_descriptor = -1;
@@ -129,17 +139,36 @@ Error too_large(const std::string& name, size_t max_bytes) {
     return input_error("{}: larger than {} bytes, the most that is read", name, max_bytes);
 }
 
+// The file that a link leads to, be it there or not.
+std::string followed(const std::string& path) {
+    namespace fs = std::filesystem;
+    constexpr int kMostLinks = 40;
+    fs::path at = path;
+    for (int links = 0; links < kMostLinks; ++links) {
+        std::error_code error;
+        const fs::path next = fs::read_symlink(at, error);
+        if (error) return at.string(); // no link
+        // What these lead to is open already, and has no name to be renamed to.
+        if (at.string().starts_with("/proc/") || at.string().starts_with("/dev/"))
+            return at.string();
+        at = next.is_absolute() ? next : at.parent_path() / next;
+    }
+    throw output_error("{}: a circle of links", path);
+}
+
 // A device or pipe takes the bytes as they come; renaming over it would replace it by a file.
 bool is_special_file(const std::string& path) {
     struct stat status = {};
-    return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+    if (stat(path.c_str(), &status) != 0 || S_ISDIR(status.st_mode)) return false;
+    return !S_ISREG(status.st_mode) || path.starts_with("/proc/") || path.starts_with("/dev/fd/") ||
+           path.starts_with("/dev/std");
 }
 
 } // namespace
 
 std::vector<std::byte> read_file(const std::string& path, size_t max_bytes) {
     const bool standard_input = path == "-";
-    const std::string name = standard_input ? "standard input" : path;
+    const std::string name = input_name(path);
     const int descriptor = standard_input ? 0 : open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) throw input_error("{}: {}", name, std::strerror(errno));
     struct Closer {
@@ -183,8 +212,10 @@ void write_file(const std::string& path, std::span<const std::byte> bytes) {
         write_all(1, bytes, "standard output");
         return;
     }
-    if (is_special_file(path)) {
-        const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    const std::string target = followed(path);
+    if (is_special_file(target)) {
+        // A file that standard output goes to is not begun anew
+        const int descriptor = open(target.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
         if (descriptor < 0) throw output_error("{}: {}", path, std::strerror(errno));
         try {
             write_all(descriptor, bytes, path);
@@ -195,7 +226,7 @@ void write_file(const std::string& path, std::span<const std::byte> bytes) {
         if (close(descriptor) != 0) throw output_error("{}: {}", path, std::strerror(errno));
         return;
     }
-    TemporaryFile file(path);
+    TemporaryFile file(target);
     write_all(file.descriptor(), bytes, path);
     file.rename_to_target();
 }

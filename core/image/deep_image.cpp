@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "base/huge_vector.h"
+#include "base/one_line.h"
 #include "image/atomic_file.h"
 #include "image/exr_check.h"
 #include "image/exr_stream.h"
@@ -31,10 +32,6 @@ namespace {
 constexpr uint64_t kMaxInflation = 1032;
 // A row that the format's 32-bit sizes can hold.
 constexpr uint64_t kMaxRowBytes = (uint64_t{1} << 31) - 1;
-
-std::string shown_name(const std::string& path, const char* standard) {
-    return path == "-" ? standard : path;
-}
 
 Imf::PixelType pixel_type(const DeepChannel& channel) {
     return channel.type == DeepChannel::Type::uint32 ? Imf::UINT : Imf::FLOAT;
@@ -177,7 +174,7 @@ void check_row_sizes(const std::string& path, const DeepHeader& header,
             samples += counts[y * width + x];
         if (samples * header.channels.size() * sizeof(uint32_t) > kMaxRowBytes)
             throw output_error("{}: row {} has {} samples, more than a deep image can hold",
-                               shown_name(path, "standard output"), y, samples);
+                               output_name(path), y, samples);
     }
 }
 
@@ -244,15 +241,19 @@ void write_deep_image(const std::string& path, const DeepHeader& header,
         }
     } catch (const Error&) {
         throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::system_error&) { // no thread to be had
+        throw;
     } catch (const std::exception& e) {
-        throw output_error("{}: {}", shown_name(path, "standard output"), e.what());
+        throw output_error("{}: {}", output_name(path), e.what());
     }
     write_file(path, stream.bytes());
 }
 
 void read_deep_image(const std::string& path, DeepReader& reader, const DeepReadConfig& config) {
     const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
-    const std::string name = shown_name(path, "standard input");
+    const std::string name = input_name(path);
     constexpr char kMagic[] = {0x76, 0x2f, 0x31, 0x01};
     if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
         throw input_error("{}: no OpenEXR file, expected a deep image", name);
@@ -266,11 +267,10 @@ void read_deep_image(const std::string& path, DeepReader& reader, const DeepRead
         throw Error(e.kind(), name + ": " + e.what());
     } catch (const std::system_error&) { // no thread to be had: not the file's fault
         throw;
-    } catch (const std::bad_alloc&) {
-        throw input_error("{}: damaged: it asks for more memory than there is", name);
+    } catch (const std::bad_alloc&) { // what damaged files may ask for is bounded by their size
+        throw;
     } catch (const std::exception& e) {
-        const std::string text = e.what();
-        throw input_error("{}: no usable deep image: {}", name, text.substr(0, text.find('\n')));
+        throw input_error("{}: no usable deep image: {}", name, first_line(e.what()));
     }
 }
 

@@ -42,7 +42,6 @@ struct Part {
     uint64_t pixel_bytes = 0;
     bool has_window = false, has_channels = false, has_tiles = false;
     uint32_t tile_width = 0, tile_height = 0;
-    uint8_t level_mode = 0;
 };
 
 class HeaderReader {
@@ -116,7 +115,6 @@ uint64_t read_channels(HeaderReader value) {
 void read_tiles(HeaderReader value, Part& part) {
     part.tile_width = value.number<uint32_t>();
     part.tile_height = value.number<uint32_t>();
-    part.level_mode = value.number<uint8_t>();
     if (part.tile_width < 1 || part.tile_height < 1 || part.tile_width > kMaxCoordinate ||
         part.tile_height > kMaxCoordinate)
         throw value.damaged(fmt::format("tiles of {} x {}", part.tile_width, part.tile_height));
@@ -187,8 +185,7 @@ uint64_t divided_up(uint64_t a, uint64_t b) {
     return (a + b - 1) / b;
 }
 
-// Chunks of a part. Levels of a tiled part have at most as many tiles together as the first one
-// four times over, and as many as there are levels.
+// Chunks of a part at least: those of the first level.
 uint64_t chunk_count(const Part& part, bool tiled) {
     const auto width = uint64_t(part.width), height = uint64_t(part.height);
     if (!tiled) return divided_up(height, uint64_t(kChunkLines[*part.compression]));
@@ -212,10 +209,11 @@ void check_part(const Part& part, bool tiled, const HeaderReader& header, const 
     const uint64_t chunk_pixels =
         tiled ? uint64_t{part.tile_width} * part.tile_height
               : uint64_t(part.width) * uint64_t(kChunkLines[*part.compression]);
-    constexpr uint64_t kSmallChunk = 1 << 22;
-    if (chunk_pixels > std::max(4 * pixels, kSmallChunk))
-        throw header.damaged(fmt::format("tiles of {} x {} in an image of {} x {}", part.tile_width,
-                                         part.tile_height, part.width, part.height));
+    // What small images may take: lines of 2^16 pixels in any compression.
+    constexpr uint64_t kSmallTile = 1 << 22, kSmallLines = 1 << 24;
+    if (chunk_pixels > std::max(4 * pixels, tiled ? kSmallTile : kSmallLines))
+        throw header.damaged(fmt::format("chunks of {} pixels in an image of {} x {}", chunk_pixels,
+                                         part.width, part.height));
     // Every chunk has an entry of 8 bytes in a table.
     if (chunk_count(part, tiled) > header.left() / 8)
         throw header.damaged(

@@ -26,7 +26,7 @@ std::optional<Conversion> find_conversion(const std::string& pattern) {
             throw usage_error("{}: expected a frame number written as %04d", pattern);
         return std::nullopt;
     }
-    if (match.suffix().str().find('%') != std::string::npos)
+    if (std::count(pattern.begin(), pattern.end(), '%') > 1)
         throw usage_error("{}: more than one frame number", pattern);
     return Conversion{size_t(match.position(0)), size_t(match.length(0)),
                       match[2].matched ? std::stoi(match[2].str()) : 0};

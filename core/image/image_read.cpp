@@ -17,26 +17,16 @@ namespace ql {
 
 namespace {
 
-std::string shown_name(const std::string& path) {
-    return path == "-" ? "standard input" : path;
-}
-
-// The libraries' messages may run over several lines; ours is one.
-std::string first_line(std::string text) {
-    text = text.substr(0, text.find('\n'));
-    return text.empty() ? "malformed" : text;
-}
-
 FileFormat format_of(const std::vector<std::byte>& bytes, const std::string& path) {
     const auto starts_with = [&](std::initializer_list<int> magic) {
         return bytes.size() >= magic.size() &&
                std::equal(magic.begin(), magic.end(), bytes.begin(),
                           [](int m, std::byte b) { return std::byte(m) == b; });
     };
-    if (bytes.empty()) throw input_error("{}: empty file, expected an image", shown_name(path));
+    if (bytes.empty()) throw input_error("{}: empty file, expected an image", input_name(path));
     if (starts_with({0x76, 0x2f, 0x31, 0x01})) return FileFormat::exr;
     if (starts_with({0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'})) return FileFormat::png;
-    throw input_error("{}: neither OpenEXR nor PNG", shown_name(path));
+    throw input_error("{}: neither OpenEXR nor PNG", input_name(path));
 }
 
 template<class T>
@@ -79,13 +69,13 @@ void require_finite(const Image& image, const std::string& path) {
                 if (!std::isfinite(plane.pixels(x, y)))
                     throw input_error(
                         "{}: channel {} is {} at pixel {},{}, expected a finite value",
-                        shown_name(path), plane.name, plane.pixels(x, y), x, y);
+                        input_name(path), plane.name, plane.pixels(x, y), x, y);
 }
 
 std::vector<Image> read_image_parts(const std::string& path, const ImageReadConfig& config) {
     const std::vector<std::byte> bytes = read_file(path, config.max_bytes);
     const FileFormat format = format_of(bytes, path);
-    const std::string name = shown_name(path);
+    const std::string name = input_name(path);
     try {
         if (format == FileFormat::exr) {
             check_exr(bytes, name, {config.max_pixels, config.max_bytes});
@@ -107,7 +97,7 @@ std::vector<Image> read_image_parts(const std::string& path, const ImageReadConf
 Image read_image(const std::string& path, const ImageReadConfig& config) {
     std::vector<Image> parts = read_image_parts(path, config);
     if (parts.size() != 1)
-        throw input_error("{}: {} parts, expected one", shown_name(path), parts.size());
+        throw input_error("{}: {} parts, expected one", input_name(path), parts.size());
     return std::move(parts.front());
 }
 

@@ -18,16 +18,6 @@ namespace ql {
 
 namespace {
 
-std::string shown_name(const std::string& path) {
-    return path == "-" ? "standard output" : path;
-}
-
-// The libraries' messages may run over several lines; ours is one.
-std::string first_line(std::string text) {
-    text = text.substr(0, text.find('\n'));
-    return text.empty() ? "cannot be encoded" : text;
-}
-
 // IEC 61966-2-1, of values up to 1.
 float srgb_encoded(float x) {
     return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
@@ -50,7 +40,7 @@ std::vector<const Plane<float>*> png_planes(const Image& image, const std::strin
         for (const Plane<float>& plane : image.planes)
             chosen.push_back(&plane);
     if (chosen.empty())
-        throw output_error("{}: PNG cannot hold the channels {}; write EXR", shown_name(path),
+        throw output_error("{}: PNG cannot hold the channels {}; write EXR", output_name(path),
                            image.channel_names());
     return chosen;
 }
@@ -92,8 +82,8 @@ void check_half_range(const Plane<float>& plane, const std::string& path) {
     constexpr float kHalfOverflow = 65520.0f;
     for (const float value : plane.pixels.values())
         if (std::isfinite(value) && std::abs(value) >= kHalfOverflow)
-            throw output_error("{}: channel {} has the value {}, half floats end at 65504", path,
-                               plane.name, value);
+            throw output_error("{}: channel {} has the value {}, half floats end at 65504",
+                               output_name(path), plane.name, value);
 }
 
 void check_parts(std::span<const Image> parts, FileFormat format, const ImageWriteConfig& config,
@@ -110,8 +100,8 @@ void check_parts(std::span<const Image> parts, FileFormat format, const ImageWri
                 check_half_range(plane, path);
     }
     if (parts.size() > 1 && format == FileFormat::png)
-        throw usage_error("{}: PNG holds one part, {} are to be written; write EXR", path,
-                          parts.size());
+        throw usage_error("{}: PNG holds one part, {} are to be written; write EXR",
+                          output_name(path), parts.size());
 }
 
 } // namespace
@@ -127,7 +117,8 @@ FileFormat file_format(const std::string& path, FileFormat requested) {
                                                  : FileFormat::by_extension;
     if (requested != FileFormat::by_extension && named != FileFormat::by_extension &&
         requested != named)
-        throw usage_error("{}: --format says otherwise", path);
+        throw usage_error("{}: to be written as {}, but the name says otherwise", path,
+                          requested == FileFormat::exr ? "EXR" : "PNG");
     if (requested != FileFormat::by_extension) return requested;
     if (named != FileFormat::by_extension) return named;
     if (path == "-") throw usage_error("--format exr|png is needed to write to standard output");
@@ -149,7 +140,7 @@ void write_image_parts(const std::string& path, std::span<const Image> parts,
     } catch (const std::system_error&) { // no thread to be had
         throw;
     } catch (const std::exception& problem) { // what the library did not expect
-        throw output_error("{}: {}", shown_name(path), first_line(problem.what()));
+        throw output_error("{}: {}", output_name(path), first_line(problem.what()));
     }
     write_file(path, bytes);
 }

@@ -1,6 +1,7 @@
 #include "linespace/accumulate.h"
 
 #include "base/check.h"
+#include "base/error.h"
 
 #include <algorithm>
 #include <bit>
@@ -94,9 +95,13 @@ void ShaftAccumulator::Part::add(std::span<const Deposit> deposits, double scale
         }
         const Deposit& deposit = deposits[i];
         Entry& to = entry_of(key_of(deposit), pool);
-        ++to.count;
+        bool overflow = __builtin_add_overflow(to.count, 1u, &to.count);
         for (size_t c = 0; c < 3; ++c)
-            to.sum[c] += std::llrint(double(deposit.weight[c]) * scale);
+            overflow |= __builtin_add_overflow(
+                to.sum[c], std::llrint(double(deposit.weight[c]) * scale), &to.sum[c]);
+        if (overflow)
+            throw usage_error("a shaft takes more light than a sum holds: fewer photons, or more "
+                              "voxels or patches");
     }
 }
 

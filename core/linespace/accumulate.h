@@ -20,15 +20,15 @@ struct Deposit {
     float weight[3]; // finite, not negative
 };
 
-// The largest weight that is taken; greater ones are refused by the tracer. Keeps sums far from
-// overflow for 10^9 photons and more.
+// The largest weight that is taken; greater ones are refused by the tracer.
 inline constexpr float kMaxWeight = 1024;
 
 class ShaftAccumulator {
   public:
     ShaftAccumulator(uint64_t voxels, int sum_bits);
 
-    // Adds a round and empties it, keeping its memory.
+    // Adds a round and empties it, keeping its memory. Errors: ErrorKind::usage where a sum leaves
+    // 64 bits or a count 32.
     void add(std::vector<std::vector<Deposit>>& chunks, const Workers& workers);
 
     size_t size() const;

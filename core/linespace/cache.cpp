@@ -147,17 +147,24 @@ std::vector<PhotonRange> joined(const std::vector<PhotonRange>& a,
     return result;
 }
 
-LightCache merged(const LightCache& a, const LightCache& b, const std::string& what) {
-    require_fit(a.header, b.header, what);
-    LightCache result;
-    result.header = a.header;
+void require_mergeable(const CacheHeader& a, const CacheHeader& b, const std::string& what) {
+    require_fit(a, b, what);
     try {
-        result.header.photons = joined(a.header.photons, b.header.photons);
+        joined(a.photons, b.photons);
     } catch (const Error& e) {
         throw input_error("{}: {}", what, e.what());
     }
-    for (size_t i = 0; i < a.header.weight_by_order.size(); ++i)
+}
+
+LightCache merged(const LightCache& a, const LightCache& b, const std::string& what) {
+    require_mergeable(a.header, b.header, what);
+    LightCache result;
+    result.header = a.header;
+    result.header.photons = joined(a.header.photons, b.header.photons);
+    for (size_t i = 0; i < a.header.weight_by_order.size(); ++i) {
         add_exactly(result.header.weight_by_order[i], b.header.weight_by_order[i], what);
+        add_exactly(result.header.caustic_by_order[i], b.header.caustic_by_order[i], what);
+    }
     add_exactly(result.header.unclassified, b.header.unclassified, what);
 
     // Merge the sorted lists of each voxel.

@@ -39,6 +39,9 @@ struct PhotonRange {
 };
 
 inline constexpr int kMaxBranches = 256;
+// Of light paths and camera paths: each scattering has random numbers of its own, of which a branch
+// has blocks for 818 (sample_kernel.h), and paths that read are followed by recursion.
+inline constexpr int kMaxJoinedDepth = 800;
 
 using ShaftSum = std::array<int64_t, 3>;
 
@@ -59,8 +62,9 @@ struct CacheHeader {
     // number of photons; count: the greatest intensity of a light, W/sr.
     double unit = 0;
     std::vector<PhotonRange> photons; // sorted, apart from each other
-    // Weight that arrived after 1, 2, ... scatterings, mean over R, G, B, in units of 2^-16.
-    std::vector<int64_t> weight_by_order;
+    // Weight that arrived after 1, 2, ... scatterings, mean over R, G, B, in units of 2^-16: in
+    // layer 0, and of caustics. All zero: caustics of any order belong to the first.
+    std::vector<int64_t> weight_by_order, caustic_by_order;
     int64_t unclassified = 0; // weight of photons that no shaft takes, in units of 2^-16
 
     uint64_t photon_count() const;
@@ -97,10 +101,12 @@ struct LightCache {
 // The grid of a cache in the render space of its scene.
 VoxelGrid grid_of(const CacheHeader& header, const RenderSpace& space);
 
-// The number that adds both: sorted, joined where they meet. Errors: ErrorKind::input where ranges
-// overlap.
+// The ranges of both: sorted, joined where they meet. Errors: ErrorKind::input where they overlap.
 std::vector<PhotonRange> joined(const std::vector<PhotonRange>& a,
                                 const std::vector<PhotonRange>& b);
+
+// Whether caches with these headers can be added. Errors: ErrorKind::input where they do not fit.
+void require_mergeable(const CacheHeader& a, const CacheHeader& b, const std::string& what);
 
 // The sum of two caches of the same scene, grid and settings; exact. what: names both in messages.
 // Errors: ErrorKind::input where they do not fit or a sum leaves 64 bits.

@@ -47,6 +47,11 @@ uint64_t digest_of(const LightCache& cache) {
     for (const int64_t weight : h.weight_by_order)
         digest.add(uint64_t(weight));
     if (h.blur != 0) digest.add(h.blur);
+    for (size_t i = 0; i < h.caustic_by_order.size(); ++i)
+        if (h.caustic_by_order[i] != 0) {
+            digest.add(uint64_t(i));
+            digest.add(uint64_t(h.caustic_by_order[i]));
+        }
     for (const uint64_t first : cache.first)
         digest.add(first);
     for (size_t i = 0; i < cache.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "linespace/cache_file.h"
 
 #include "base/error.h"
+#include "image/atomic_file.h"
 #include "image/deep_image.h"
 #include "linespace/cache_digest.h"
 #include "linespace/groups.h"
@@ -43,6 +44,10 @@ std::string text_of(const std::vector<int64_t>& values) {
     return text;
 }
 
+bool is_zero(const std::vector<int64_t>& values) {
+    return std::all_of(values.begin(), values.end(), [](int64_t value) { return value == 0; });
+}
+
 DeepHeader deep_header(const LightCache& cache, const std::string& date_time) {
     const CacheHeader& h = cache.header;
     DeepHeader header;
@@ -73,6 +78,8 @@ DeepHeader deep_header(const LightCache& cache, const std::string& date_time) {
         {"ql:unclassified", fmt::format("{}", h.unclassified)},
         {"ql:digest", fmt::format("{:016x}", digest_of(cache))}};
     if (h.blur != 0) header.metadata["ql:blur"] = h.blur;
+    if (!is_zero(h.caustic_by_order))
+        header.metadata["ql:caustic_by_order"] = text_of(h.caustic_by_order);
     return header;
 }
 
@@ -133,6 +140,17 @@ V3d checked_vector(const DeepHeader& header, const std::string& key, double leas
     return v;
 }
 
+// One number for each order of a cache of this depth.
+std::vector<int64_t> weights_of(const DeepHeader& header, const std::string& key, int max_depth) {
+    const std::string text = value_of<std::string>(header, key);
+    std::vector<int64_t> weights;
+    for (const std::string_view part : split(text))
+        weights.push_back(number_of<int64_t>(part, key));
+    if (weights.size() != size_t(max_depth) - 1)
+        throw input_error("{} has {} numbers, expected {}", key, weights.size(), max_depth - 1);
+    return weights;
+}
+
 CacheHeader cache_header(const DeepHeader& header) {
     if (value_of<std::string>(header, "ql:format") != "Linespace cache")
         throw input_error("no Linespace cache");
@@ -157,7 +175,7 @@ CacheHeader cache_header(const DeepHeader& header) {
         throw input_error("channels are not those of a Linespace cache");
     h.lower = checked_vector(header, "ql:grid_lower", -1e300);
     h.cell = checked_vector(header, "ql:voxel_size", 0);
-    h.max_depth = integer_of(header, "ql:max_depth", 2, 1 << 16);
+    h.max_depth = integer_of(header, "ql:max_depth", 2, kMaxJoinedDepth);
     h.branches = integer_of(header, "ql:branches", 1, kMaxBranches);
     h.blur = header.metadata.contains("ql:blur") ? value_of<double>(header, "ql:blur") : 0;
     if (!std::isfinite(h.blur) || h.blur < 0)
@@ -170,12 +188,10 @@ CacheHeader cache_header(const DeepHeader& header) {
     if (!std::isfinite(h.unit) || h.unit < 0)
         throw input_error("ql:unit is {}, expected a finite power", h.unit);
     h.photons = ranges_of(value_of<std::string>(header, "ql:photons"));
-    const std::string orders = value_of<std::string>(header, "ql:weight_by_order");
-    for (const std::string_view part : split(orders))
-        h.weight_by_order.push_back(number_of<int64_t>(part, "ql:weight_by_order"));
-    if (h.weight_by_order.size() != size_t(h.max_depth) - 1)
-        throw input_error("ql:weight_by_order has {} numbers, expected {}",
-                          h.weight_by_order.size(), h.max_depth - 1);
+    h.weight_by_order = weights_of(header, "ql:weight_by_order", h.max_depth);
+    h.caustic_by_order.assign(h.weight_by_order.size(), 0);
+    if (header.metadata.contains("ql:caustic_by_order"))
+        h.caustic_by_order = weights_of(header, "ql:caustic_by_order", h.max_depth);
     h.unclassified =
         number_of<int64_t>(value_of<std::string>(header, "ql:unclassified"), "ql:unclassified");
     return h;
@@ -346,7 +362,7 @@ void write_cache(const std::string& path, const LightCache& cache, const std::st
 LightCache read_cache(const std::string& path) {
     CacheReader reader;
     read_deep_image(path, reader);
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = input_name(path);
     if (digest_of(reader.cache) != reader.digest)
         throw input_error("{}: damaged: its content does not match its digest", name);
     if (const auto voxel = voxel_of_wrong_groups(reader.cache))

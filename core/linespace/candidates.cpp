@@ -101,11 +101,6 @@ bool hit_shape(const World& world, const Ray& ray, const Primitive& primitive, H
     return true;
 }
 
-std::vector<char> voxels_with_light(const ReadTable& table) {
-    // Dark voxels are asked too: a read there goes on from what it meets.
-    return std::vector<char>(table.grid().size(), 1);
-}
-
 } // namespace
 
 std::vector<HullPlane> shaft_hull(const ShaftEnds& ends, int patches) {
@@ -152,7 +147,7 @@ bool overlaps_hull(const std::vector<HullPlane>& hull, const std::array<V3d, 3>&
 
 ShaftCandidates::ShaftCandidates(const World& world, const ReadTable& table, const Workers& workers)
     : m_world(world), m_table(table),
-      m_voxels(world, table.grid(), voxels_with_light(table), workers) {
+      m_voxels(world, table.grid(), std::vector<char>(table.grid().size(), 1), workers) {
     for (const Material& material : world.scene->materials)
         if (material.alpha_mode != AlphaMode::opaque)
             throw usage_error("--occlusion candidates knows no alpha, which material '{}' has",

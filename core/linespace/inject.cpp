@@ -14,9 +14,10 @@ namespace {
 constexpr uint64_t kPhotonsPerChunk = 4096;
 // Deposits of a round, about.
 constexpr uint64_t kDepositsPerRound = uint64_t{1} << 22;
-// Finer for the thesis's estimators, whose weights fall with the distance.
+// Energy: weights are about 1, sums end at 5e11 of them. Finer for the thesis's estimators, whose
+// weights are at most 1 and fall with the distance; sums end at 2e9.
 constexpr int kEnergySumBits = 24;
-constexpr int kCountSumBits = 40;
+constexpr int kCountSumBits = 32;
 
 using Clock = std::chrono::steady_clock;
 
@@ -50,6 +51,7 @@ CacheHeader header_for(const PosedScene& scene, uint64_t scene_hash, const Injec
     header.unit = real * (energy ? emission.power() : emission.greatest_intensity());
     header.photons = {config.photons};
     header.weight_by_order.assign(size_t(config.max_depth) - 1, 0);
+    header.caustic_by_order = header.weight_by_order;
     return header;
 }
 
@@ -73,6 +75,7 @@ PhotonCounts trace_all(const PhotonContext& context, PhotonTracer trace, const P
                        ShaftAccumulator& sums, const Workers& workers, Progress& progress) {
     PhotonCounts total;
     total.weight_by_order.resize(size_t(context.max_scatterings));
+    total.caustic_by_order.resize(size_t(context.max_scatterings));
     std::vector<std::vector<Deposit>> chunks;
     std::vector<PhotonCounts> counts;
     double deposits_per_photon = 2 * context.branches; // a guess for a small first round
@@ -104,6 +107,13 @@ PhotonCounts trace_all(const PhotonContext& context, PhotonTracer trace, const P
 }
 
 } // namespace
+
+CacheHeader inject_header(const PosedScene& scene, uint64_t scene_hash,
+                          const InjectConfig& config) {
+    const LightEmission emission(scene.lights());
+    check(config, emission);
+    return header_for(scene, scene_hash, config, grid_over(scene.world(), config.grid), emission);
+}
 
 LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConfig& config,
                   const Workers& workers, Progress& progress, InjectReport& report) {
@@ -146,9 +156,11 @@ LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConf
         report.photons =
             trace_all(context, photon_tracer_for(source), config.photons, sums, workers, progress);
     else
-        report.photons.weight_by_order = cache.header.weight_by_order;
+        report.photons.weight_by_order = report.photons.caustic_by_order =
+            cache.header.weight_by_order;
     sums.move_to(cache, workers);
     cache.header.weight_by_order = report.photons.weight_by_order;
+    cache.header.caustic_by_order = report.photons.caustic_by_order;
     cache.header.unclassified = report.photons.unclassified;
     report.seconds_tracing = seconds_since(start);
 

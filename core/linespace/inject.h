@@ -33,6 +33,9 @@ struct InjectReport {
     double seconds_measuring = 0;
 };
 
+// The header that inject() gives its cache, but for the weights that arrive.
+CacheHeader inject_header(const PosedScene& scene, uint64_t scene_hash, const InjectConfig& config);
+
 // scene_hash: of the scene, for the header. Errors: ErrorKind::usage where the configuration does
 // not fit the scene.
 LightCache inject(const PosedScene& scene, uint64_t scene_hash, const InjectConfig& config,

@@ -17,11 +17,12 @@ LineHits::LineHits(const World& world, const OpenSides& sides, const AlphaTest* 
         const Surface& surface = world.surfaces[primitive.surface];
         const Material& material = world.scene->materials[size_t(surface.material)];
         if (surface.kind != Surface::Kind::triangles) {
-            m_shapes.push_back({&surface, takes_light(material)});
+            m_shapes.push_back({&surface, primitive, takes_light(material),
+                                material.alpha_mode != AlphaMode::opaque});
             continue;
         }
         m_triangles.push_back(local_triangle(primitive, normal_classes));
-        m_has_alpha |= m_triangles.back().alpha < 1;
+        m_has_alpha |= m_triangles.back().has_alpha;
     }
 }
 
@@ -55,10 +56,8 @@ auto LineHits::local_triangle(const Primitive& primitive, int classes) const -> 
             triangle.back_class = normal_class(-normal, classes);
     }
     triangle.primitive = primitive;
-    triangle.offset = kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
-                                                detail::largest_coordinate(corners[1]),
-                                                detail::largest_coordinate(corners[2])});
-    if (material.alpha_mode != AlphaMode::opaque) triangle.alpha = 0.5f;
+    triangle.offset = triangle_offset(surface, corners);
+    triangle.has_alpha = material.alpha_mode != AlphaMode::opaque;
     return triangle;
 }
 
@@ -162,9 +161,10 @@ auto LineHits::hits_of(const LineBlock& lines) const -> LineHitLists {
         for (size_t i = 0; i < kLinesPerBlock; ++i)
             if (at.t[i] <= 1) {
                 const V3f d(lines.dx[i], lines.dy[i], lines.dz[i]);
-                found[i].push_back({at.t[i], alpha_of(*triangle, at.u[i], at.v[i]),
-                                    triangle->class_towards(d), normal_towards(*triangle, V3d(d)),
-                                    triangle->offset});
+                found[i].push_back(
+                    {at.t[i], alpha_of(triangle->primitive, triangle->has_alpha, at.u[i], at.v[i]),
+                     triangle->class_towards(d), normal_towards(*triangle, V3d(d)),
+                     triangle->offset});
             }
     }
     for (const LocalShape& shape : m_shapes)
@@ -186,13 +186,13 @@ V3f LineHits::normal_towards(const LocalTriangle& triangle, const V3d& d) const 
 }
 
 // The share of rays that the surface stops there: bisects the decision of the alpha test.
-float LineHits::alpha_of(const LocalTriangle& triangle, float u, float v) const {
-    if (triangle.alpha == 1 || !m_alpha_test) return 1;
+float LineHits::alpha_of(const Primitive& primitive, bool has_alpha, float u, float v) const {
+    if (!has_alpha || !m_alpha_test) return 1;
     float low = 0, high = 1;
     for (int i = 0; i < 8; ++i) {
         const float middle = (low + high) / 2;
-        const bool solid = m_alpha_test->is_solid(m_world, triangle.primitive.surface,
-                                                  triangle.primitive.triangle, u, v, middle);
+        const bool solid =
+            m_alpha_test->is_solid(m_world, primitive.surface, primitive.triangle, u, v, middle);
         (solid ? low : high) = middle;
     }
     return low == 0 ? 0 : high == 1 ? 1 : low;
@@ -218,9 +218,11 @@ void LineHits::add_shape_hits(const LocalShape& shape, const LineBlock& lines, s
                                shape.surface->body_from_render.vector(d), from, 1)) {
         V3f normal = detail::transformed(shape.surface->render_from_normal, V3f(hit->normal));
         if (normal.dot(V3f(d)) > 0) normal = -normal;
-        found.push_back({float(hit->t), 1, shape.takes_light ? normal_class(normal, m_classes) : -1,
-                         normal, shape.surface->offset});
-        from = hit->t + 1e-9;
+        found.push_back({float(hit->t),
+                         alpha_of(shape.primitive, shape.has_alpha, hit->uv.x, hit->uv.y),
+                         shape.takes_light ? normal_class(normal, m_classes) : -1, normal,
+                         shape.surface->offset});
+        from = std::nextafter(hit->t, 2.0); // intersect_shape() rounds
     }
 }
 

@@ -52,7 +52,7 @@ class LineHits {
         V3f normal; // edge1 x edge2
         int front_class = -1, back_class = -1;
         float offset = 0; // of rays that start there
-        float alpha = 1;  // below 1: ask the alpha test
+        bool has_alpha = false;
 
         // Class of the normal on the side that a line of direction d comes from; -1 where that side
         // takes no light.
@@ -62,7 +62,9 @@ class LineHits {
     };
     struct LocalShape {
         const Surface* surface;
+        Primitive primitive;
         bool takes_light;
+        bool has_alpha;
     };
     struct LineHit {
         float t;
@@ -81,7 +83,7 @@ class LineHits {
     void visit_hits(const LineBlock& lines, bool first_only, const Sink& sink) const;
     LineHitLists hits_of(const LineBlock& lines) const; // sorted
     V3f normal_towards(const LocalTriangle& triangle, const V3d& d) const;
-    float alpha_of(const LocalTriangle& triangle, float u, float v) const;
+    float alpha_of(const Primitive& primitive, bool has_alpha, float u, float v) const;
     void add_shape_hits(const LocalShape& shape, const LineBlock& lines, size_t i,
                         std::vector<LineHit>& found) const;
 

@@ -81,9 +81,7 @@ class TrianglePoints {
         const V3d cross = cross_of(t);
         const double length = cross.length();
         if (!(length > 0)) return {p, V3f(0), 0};
-        const float offset = kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
-                                                       detail::largest_coordinate(corners[1]),
-                                                       detail::largest_coordinate(corners[2])});
+        const float offset = triangle_offset(m_world.surfaces[m_surface], corners);
         return {p, V3f(cross / (counter_clockwise ? length : -length)), offset};
     }
 

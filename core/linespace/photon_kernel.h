@@ -44,7 +44,7 @@ struct PhotonCounts {
     uint64_t gated = 0; // hits whose light did not enter the voxel from outside, or closed sides
     uint64_t discarded = 0; // photons that ended because their flux was not finite or too large
     int64_t unclassified = 0;
-    std::vector<int64_t> weight_by_order;
+    std::vector<int64_t> weight_by_order, caustic_by_order; // see CacheHeader
 
     void add(const PhotonCounts& other);
 };
@@ -60,11 +60,6 @@ namespace detail {
 // Separates photons from the other users of CounterRandom.
 inline constexpr uint64_t kPhotonKey = 0x70686f746f6e7321;
 inline constexpr float kMaxAdjointFactor = 64;
-
-// x in [0, 2), to [0, 1).
-inline float wrapped(float x) {
-    return x < 1 ? x : std::min(x - 1, 0x1.fffffep-1f);
-}
 
 inline float largest_component(const V3f& v) {
     return std::max({v.x, v.y, v.z});
@@ -174,7 +169,9 @@ void PhotonKernel<Lobes>::deposit(const PathVertex& vertex, double distance, con
     }
     m_deposits.push_back({place->voxel, shaft, {weight.x, weight.y, weight.z}});
     ++m_counts.deposits;
-    m_counts.weight_by_order[size_t(flight.scatterings) - 1] += order_weight;
+    const bool is_caustic = m_context.estimator == Estimator::energy && flight.only_specular;
+    (is_caustic ? m_counts.caustic_by_order
+                : m_counts.weight_by_order)[size_t(flight.scatterings) - 1] += order_weight;
 }
 
 template<uint32_t Lobes>
@@ -202,7 +199,7 @@ std::optional<Ray> PhotonKernel<Lobes>::scattered(const SurfacePoint& point,
     return Ray{offset_origin(vertex.position, vertex.ng, vertex.offset, wi), 0, wi, kInfinity};
 }
 
-// Directions of the branches are a rotated lattice: Korobov points of the golden ratio.
+// Directions of the branches are a rotated lattice.
 template<uint32_t Lobes>
 void PhotonKernel<Lobes>::split(const SurfacePoint& point, const PathVertex& vertex,
                                 const Flight& flight, const CounterRandom& random) const {
@@ -215,8 +212,9 @@ void PhotonKernel<Lobes>::split(const SurfacePoint& point, const PathVertex& ver
         branch.branch = b + 1;
         branch.alpha_key += branch.branch * 0x85ebca6bu;
         RandomFloats u = random.block(block_of(branch));
-        u[1] = wrapped(shift[1] + float(b) / float(branches));
-        u[2] = wrapped(shift[2] + wrapped(float(b) * 0.618034f));
+        const V2f at = rotated_lattice({shift[1], shift[2]}, b, branches);
+        u[1] = at.x;
+        u[2] = at.y;
         if (const auto ray = scattered(point, vertex, branch, u)) follow(branch, *ray, random);
     }
 }
@@ -274,6 +272,7 @@ template<uint32_t Lobes>
 void trace_photons(const PhotonContext& context, uint64_t begin, uint64_t end,
                    std::vector<Deposit>& deposits, PhotonCounts& counts) {
     counts.weight_by_order.resize(size_t(context.max_scatterings));
+    counts.caustic_by_order.resize(size_t(context.max_scatterings));
     const PhotonKernel<Lobes> kernel(context, deposits, counts);
     for (uint64_t photon = begin; photon < end; ++photon)
         kernel.trace(photon);

@@ -37,9 +37,9 @@ ReadTable::ReadTable(const LightCache& cache, const RenderSpace& space, const Li
                      const ReadTableConfig& config, const Workers& workers)
     : m_grid(grid_of(cache.header, space)), m_patches(cache.header.patches),
       m_classes(cache.header.normal_classes), m_directed_shafts(directed_shaft_count(m_patches)),
-      m_estimator(cache.header.estimator), m_first(cache.first), m_shafts(cache.shafts),
-      m_radiance(cache.size()), m_all_groups(m_patches, m_classes),
-      m_share(cumulative_shares(cache.header.weight_by_order)) {
+      m_first(cache.first), m_shafts(cache.shafts), m_radiance(cache.size()),
+      m_all_groups(m_patches, m_classes), m_share(cumulative_shares(cache.header.weight_by_order)),
+      m_caustic_share(cumulative_shares(cache.header.caustic_by_order)) {
     const double stored_from_real = std::ldexp(1.0, -lights.exponent());
     constexpr size_t kBlock = 1 << 16;
     workers.for_each((cache.size() + kBlock - 1) / kBlock, [&](size_t block) {
@@ -51,7 +51,7 @@ ReadTable::ReadTable(const LightCache& cache, const RenderSpace& space, const Li
     });
     m_has_caustics = std::any_of(m_shafts.begin(), m_shafts.end(),
                                  [&](uint32_t shaft) { return shaft >= caustics_from(); });
-    if (config.smoothing > 0 && m_estimator == Estimator::energy)
+    if (config.smoothing > 0 && cache.header.estimator == Estimator::energy)
         smooth(cache, config.smoothing, workers);
 }
 

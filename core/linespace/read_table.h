@@ -37,16 +37,16 @@ class ReadTable {
     }
     uint32_t caustics_from() const { return m_directed_shafts * uint32_t(m_classes); }
     bool has_caustics() const { return m_has_caustics; }
-    Estimator estimator() const { return m_estimator; }
     size_t memory_bytes() const {
         return (m_first.size() + m_group_first.size()) * sizeof(uint64_t) +
                (m_shafts.size() + m_groups.size()) * (sizeof(uint32_t) + sizeof(V3f));
     }
 
-    // The share of the cache's light that has been scattered at most that often.
-    float share_up_to(int scatterings) const {
-        if (scatterings < 1) return 0;
-        return m_share[std::min(size_t(scatterings), m_share.size()) - 1];
+    // The share of the light of the gated layer, and of caustics, that has been scattered at most
+    // that often.
+    float share_up_to(int scatterings) const { return share_of(m_share, scatterings); }
+    float caustic_share_up_to(int scatterings) const {
+        return share_of(m_caustic_share, scatterings);
     }
 
     // Position of the entry in the cache's order; none if no light came that way.
@@ -66,9 +66,12 @@ class ReadTable {
     std::span<const uint32_t> shafts_of(uint32_t voxel) const {
         return {m_shafts.data() + m_first[voxel], m_first[voxel + 1] - m_first[voxel]};
     }
-    uint64_t first_of(uint32_t voxel) const { return m_first[voxel]; }
 
   private:
+    static float share_of(const std::vector<float>& shares, int scatterings) {
+        if (scatterings < 1) return 0;
+        return shares[std::min(size_t(scatterings), shares.size()) - 1];
+    }
     void smooth(const LightCache& cache, double smoothing, const Workers& workers);
     V3f of_dark_shaft(uint32_t voxel, uint32_t number) const;
 
@@ -76,7 +79,6 @@ class ReadTable {
     int m_patches;
     int m_classes;
     uint32_t m_directed_shafts;
-    Estimator m_estimator;
     bool m_has_caustics = false;
     std::vector<uint64_t> m_first;
     HugeVector<uint32_t> m_shafts;
@@ -85,7 +87,7 @@ class ReadTable {
     std::vector<uint64_t> m_group_first;
     std::vector<uint32_t> m_groups;
     std::vector<V3f> m_dark_radiance; // by group: of its members without light
-    std::vector<float> m_share;
+    std::vector<float> m_share, m_caustic_share;
 };
 
 } // namespace ql

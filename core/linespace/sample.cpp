@@ -105,19 +105,7 @@ TileSampler sampler_for(const Scene& scene) {
                                                       : sample_tile<kAllLobes>;
 }
 
-bool any_emission(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        return m.emission != V3f(0, 0, 0) || m.model == MaterialModel::unlit;
-    });
-}
-
-// Planes first, then what points to them.
 void add_planes(ReadJob& frame) {
-    for (const char* name : {"R", "G", "B"})
-        frame.image.plane(name);
-    for (const auto& [name, layer] : kLayers)
-        for (const char* suffix : {".R", ".G", ".B"})
-            if (frame.config.layers & layer) frame.image.plane(std::string(name) + suffix);
     frame.beauty = VectorPlanes(frame.image, "", "RGB");
     for (size_t i = 0; i < std::size(kLayers); ++i)
         if (frame.config.layers & kLayers[i].second)
@@ -162,7 +150,7 @@ SampleResult sample_frame(const PosedScene& scene, const PixelCamera& camera,
                   config,
                   {scene.rays(), scene.lights(), table, candidates, sides, config.read,
                    Blur(scene.rays(), sides, config.blur_metres * scene.world().space.scale),
-                   any_emission(source)},
+                   has_emission(source)},
                   Image(seeds.width(), seeds.height()),
                   {},
                   {}};

@@ -245,8 +245,9 @@ bool ReadKernel<Lobes>::read(const PartedVertex& v, Path& path, const V3f& wi,
 
     // Caustics need no gate.
     if (table.has_caustics() && left >= 1) {
-        const V3f light = detail::times(
-            path.throughput, table.radiance(place->voxel, number + table.caustics_from()));
+        const V3f light =
+            detail::times(path.throughput * table.caustic_share_up_to(left),
+                          table.radiance(place->voxel, number + table.caustics_from()));
         sample.caustic += light;
         sample.indirect += light;
     }
@@ -327,10 +328,15 @@ void ReadKernel<Lobes>::follow(Path path, const PixelRandom& random, ReadSample&
             (path.scatterings == 0 ? sample.direct : sample.indirect) += light;
         }
 
-        if (v.reads()) read_on(v, path, random, sample);
-
+        // Beyond the last scattering there is emission alone, which reads know.
+        const bool last = path.scatterings + 1 == config.max_depth;
+        if (last && !m_context.has_emission) return;
+        if (v.reads()) {
+            if (!last) read_on(v, path, random, sample);
+            path.has_read = true;
+            path.branch += kTracedBranch;
+        }
         // Follow the lobes that are traced on.
-        if (v.reads()) path.branch += kTracedBranch;
         if (!continue_traced(v, path, random)) return;
     }
 }
@@ -344,12 +350,8 @@ void ReadKernel<Lobes>::read_on(const PartedVertex& v, const Path& path, const P
     const int reads = path.has_read ? 1 : m_context.config.reads;
     const V3f share = path.throughput / float(reads);
     for (int r = 0; r < reads; ++r) {
-        // Directions of one vertex are a rotated lattice: Korobov points of the golden ratio.
-        const float shift = float(r) / float(reads);
-        const float golden = float(r) * 0.618034f;
-        V2f at(u[1] + shift, u[2] + golden - std::floor(golden));
-        at.x -= std::floor(at.x);
-        at.y -= std::floor(at.y);
+        // Directions of one vertex are a rotated lattice.
+        const V2f at = rotated_lattice({u[1], u[2]}, uint32_t(r), uint32_t(reads));
         const auto next = read_sample<Lobes>(v, at, u[0]);
         if (!next) continue;
         const V3f wi = v.at.frame.world_from_local(next->wi);

@@ -113,8 +113,9 @@ Array2D<float> difference(const ChannelPair& channel) {
     return result;
 }
 
-double perceptual_mse(const std::vector<Array2D<float>>& differences, double sigma_px,
-                      const ErrorConfig& config, const Workers& workers) {
+// samples: those that are finite in both.
+double perceptual_mse(const std::vector<Array2D<float>>& differences, uint64_t samples,
+                      double sigma_px, const ErrorConfig& config, const Workers& workers) {
     const std::vector<double> taps = gaussian_taps(sigma_px);
     Sum total;
     for (const Array2D<float>& error : differences) {
@@ -122,7 +123,7 @@ double perceptual_mse(const std::vector<Array2D<float>>& differences, double sig
         for (const float value : seen.values())
             total.add(double(value) * double(value));
     }
-    return total.value() / double(differences.size() * differences.front().size());
+    return total.value() / double(samples);
 }
 
 void check_config(const ErrorConfig& config) {
@@ -205,7 +206,8 @@ ErrorFigures error_figures(std::span<const ChannelPair> channels, const ErrorCon
         for (const ChannelPair& channel : channels)
             differences.push_back(difference(channel));
     for (const double sigma : config.sigmas_px)
-        figures.perceptual.push_back({sigma, perceptual_mse(differences, sigma, config, workers)});
+        figures.perceptual.push_back(
+            {sigma, perceptual_mse(differences, sums.samples, sigma, config, workers)});
     return figures;
 }
 
@@ -218,9 +220,11 @@ Array2D<float> relative_error(std::span<const ChannelPair> channels, const Worke
     for (size_t i = 0; i < result.size(); ++i) {
         double total = 0;
         for (const ChannelPair& channel : channels) {
+            const double image = double((*channel.image)[i]);
             const double reference = double((*channel.reference)[i]);
-            const double error = double((*channel.image)[i]) - reference;
-            total += relative_square(error, reference, floor);
+            total += is_comparable(float(image), float(reference))
+                         ? relative_square(image - reference, reference, floor)
+                         : std::numeric_limits<double>::quiet_NaN();
         }
         result[i] = float(std::sqrt(total / double(channels.size())));
     }

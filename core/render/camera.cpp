@@ -1,23 +1,26 @@
 #include "render/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ql {
 
 namespace {
 
-// The scene lies in a box of side 1 around the origin of render space.
-constexpr double kSceneRadius = 0.8660254037844387; // sqrt(3) / 2
-// Animated things may leave that box; rays start this much earlier.
-constexpr double kClearance = 1.0;
-constexpr double kFar = 4.0; // nearer cameras need no shift
+constexpr double kClearance = 0.01; // of rounding
+constexpr double kFar = 4.0;        // nearer cameras need no shift, in reaches
 constexpr double kFarthest = 1e12;
 
 } // namespace
 
 PixelCamera::PixelCamera(const Camera& camera, const M44d& world_from_camera,
-                         const RenderSpace& space, int width, int height)
+                         const RenderSpace& space, int width, int height,
+                         const Imath::Box3d& bounds)
     : m_space(space), m_orthographic(camera.orthographic), m_width(width), m_height(height) {
+    V3d farthest(0);
+    for (int axis = 0; axis < 3 && !bounds.isEmpty(); ++axis)
+        farthest[axis] = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
+    m_reach = std::max(farthest.length(), 1.0) * (1 + kClearance);
     const Affine pose = affine_from(world_from_camera);
     m_eye = pose.translation;
     m_forward = pose.vector({0, 0, -1}).normalized();
@@ -40,9 +43,9 @@ Ray PixelCamera::ray(double x, double y) const {
     else
         direction = (m_forward + m_right * sx + m_up * sy).normalized();
     V3d start = m_space.from_world(origin);
-    if (start.length2() > kFar * kFar) {
+    if (start.length2() > kFar * kFar * m_reach * m_reach) {
         const double to_closest = -start.dot(direction);
-        start += direction * std::max(0.0, to_closest - kSceneRadius - kClearance);
+        start += direction * std::max(0.0, to_closest - m_reach);
         // A ray that passes at such a distance meets nothing; it need not leave float's range.
         if (start.length2() > kFarthest * kFarthest) start *= kFarthest / start.length();
     }

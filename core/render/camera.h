@@ -9,14 +9,17 @@
 
 namespace ql {
 
+// Of a scene at time 0 in render space.
+inline const Imath::Box3d kUnitBox(V3d(-0.5), V3d(0.5));
+
 class PixelCamera {
   public:
-    // world_from_camera may carry scale, which is ignored.
+    // world_from_camera may carry scale, which is ignored. bounds: of the posed world.
     PixelCamera(const Camera& camera, const M44d& world_from_camera, const RenderSpace& space,
-                int width, int height);
+                int width, int height, const Imath::Box3d& bounds = kUnitBox);
 
-    // In render space, of unit direction. Rays of cameras far outside of the scene start at its
-    // bounding sphere, so that float precision is spent on the scene and not on the way to it.
+    // In render space, of unit direction. Rays of cameras far outside of these bounds start at the
+    // sphere around them, so that float precision is spent on the scene and not on the way to it.
     Ray ray(double x, double y) const;
 
     struct Projection {
@@ -38,6 +41,7 @@ class PixelCamera {
     V3d m_eye;                          // world
     V3d m_right, m_up, m_forward;       // unit, world
     double m_half_width, m_half_height; // of the image plane at distance 1, or in metres
+    double m_reach;                     // of the world from the origin of render space
     bool m_orthographic;
     int m_width, m_height;
 };

@@ -67,26 +67,15 @@ Film::Film(int width, int height, uint32_t aovs) : image(width, height) {
                             {kAovDirect, &Film::direct, "direct.", "RGB"},
                             {kAovIndirect, &Film::indirect, "indirect.", "RGB"},
                             {kAovVariance, &Film::variance, "variance.", "RGB"}};
-    // Add every plane before taking the address of any.
-    const auto wanted = [&](uint32_t aov) { return aov == 0 || (aovs & aov); };
     for (const Group& group : groups)
-        if (wanted(group.aov))
-            for (size_t i = 0; i < 3; ++i)
-                image.plane(std::string(group.prefix) + group.suffixes[i]);
-    if (aovs & kAovDepth) image.plane("Z");
-    if (aovs & kAovMotion) {
-        image.plane("motion.X");
-        image.plane("motion.Y");
-    }
-    if (aovs & kAovId) id = &image.uint_plane("id");
-    for (const Group& group : groups)
-        if (wanted(group.aov))
+        if (group.aov == 0 || (aovs & group.aov))
             this->*group.planes = VectorPlanes(image, group.prefix, group.suffixes);
     if (aovs & kAovDepth) depth = &image.plane("Z");
     if (aovs & kAovMotion) {
         motion_x = &image.plane("motion.X");
         motion_y = &image.plane("motion.Y");
     }
+    if (aovs & kAovId) id = &image.uint_plane("id");
 }
 
 } // namespace ql

@@ -37,7 +37,7 @@ inline constexpr uint32_t kFirstHitAovs =
 // brighter.
 float saturated(double value);
 
-// Three planes of an image under one prefix. Take hold of them after all planes have been added.
+// Three planes of an image under one prefix, added if they are not there.
 class VectorPlanes {
   public:
     VectorPlanes() = default;

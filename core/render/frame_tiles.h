@@ -45,6 +45,7 @@ struct PixelSums {
     double depth = 0, motion_x = 0, motion_y = 0;
     uint32_t id = 0;
     int samples = 0, hits = 0;
+    int moved = 0; // hits that the next camera sees, too
 };
 
 inline bool is_finite(const V3f& v) {

@@ -23,6 +23,7 @@ void add_first_hit(const FrameJob& job, const FirstHit& hit, double x, double y,
         job.next_from_now.empty() ? position : job.next_from_now[size_t(node)].point(position);
     const auto there = job.next->camera.project(moved);
     if (!(there.depth > 0) || !std::isfinite(there.x) || !std::isfinite(there.y)) return;
+    ++sums.moved;
     sums.motion_x += there.x - x;
     sums.motion_y += there.y - y;
 }
@@ -44,13 +45,13 @@ void write_pixel(const FrameJob& job, int x, int y, const PixelSums& sums) {
                 std::max(0.0, sums.squares[i] / n - mean[i] * mean[i]) / (n - 1) * real * real;
         film.variance.set(x, y, variance);
     }
-    const double hits = std::max(sums.hits, 1);
+    const double hits = std::max(sums.hits, 1), moved = std::max(sums.moved, 1);
     if (film.normal) film.normal.set(x, y, sums.normal / hits);
     if (film.position) film.position.set(x, y, sums.position / hits);
     if (film.albedo) film.albedo.set(x, y, sums.albedo / hits);
     if (film.depth) (*film.depth)(x, y) = saturated(sums.depth / hits);
-    if (film.motion_x) (*film.motion_x)(x, y) = saturated(sums.motion_x / hits);
-    if (film.motion_y) (*film.motion_y)(x, y) = saturated(sums.motion_y / hits);
+    if (film.motion_x) (*film.motion_x)(x, y) = saturated(sums.motion_x / moved);
+    if (film.motion_y) (*film.motion_y)(x, y) = saturated(sums.motion_y / moved);
     if (film.id) (*film.id)(x, y) = sums.id;
 }
 
@@ -67,14 +68,8 @@ std::vector<Affine> motions(const World& world, const NextFrame* next) {
     return result;
 }
 
-bool any_emission(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        return m.emission != V3f(0, 0, 0) || m.model == MaterialModel::unlit;
-    });
-}
-
 PathContext path_context(const PosedScene& scene, const PathConfig& config) {
-    const bool emission = any_emission(*scene.world().scene);
+    const bool emission = has_emission(*scene.world().scene);
     const bool sky = config.sky != V3f(0, 0, 0);
     return {scene.rays(), scene.lights(), config, emission, emission || sky};
 }

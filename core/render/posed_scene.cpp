@@ -64,7 +64,7 @@ M44d framing_matrix(const RenderSpace& space, double fov_degrees) {
 
 PosedScene::PosedScene(const Scene& scene, const RenderSpace& space, double time_seconds,
                        const Workers& workers)
-    : m_world(pose_world(scene, space, time_seconds, workers)), m_time_seconds(time_seconds) {
+    : m_world(pose_world(scene, space, time_seconds, workers)) {
     m_rays = std::make_unique<EmbreeScene>(m_world, has_alpha(scene) ? &m_alpha : nullptr, workers);
     m_lights = std::make_unique<LightSet>(m_world);
 }
@@ -106,10 +106,10 @@ ChosenCamera choose_camera(const Scene& scene, const RenderSpace& space,
 }
 
 PixelCamera pixel_camera(const ChosenCamera& chosen, const Scene& scene, const RenderSpace& space,
-                         double time_seconds, int width, int height) {
+                         double time_seconds, int width, int height, const Imath::Box3d& bounds) {
     const M44d pose = chosen.node >= 0 ? world_from_nodes(scene, time_seconds)[size_t(chosen.node)]
                                        : chosen.world_from_camera;
-    return {chosen.camera, pose, space, width, height};
+    return {chosen.camera, pose, space, width, height, bounds};
 }
 
 } // namespace ql

@@ -20,14 +20,12 @@ class PosedScene {
     const World& world() const { return m_world; }
     const EmbreeScene& rays() const { return *m_rays; }
     const LightSet& lights() const { return *m_lights; }
-    double time_seconds() const { return m_time_seconds; }
 
   private:
     World m_world;
     MaterialAlphaTest m_alpha;
     std::unique_ptr<EmbreeScene> m_rays;
     std::unique_ptr<LightSet> m_lights;
-    double m_time_seconds;
 };
 
 // Whether anything but cameras moves.
@@ -53,7 +51,9 @@ struct ChosenCamera {
 ChosenCamera choose_camera(const Scene& scene, const RenderSpace& space,
                            const CameraChoice& choice);
 
+// bounds: of the world at that time; the default is that of time 0.
 PixelCamera pixel_camera(const ChosenCamera& chosen, const Scene& scene, const RenderSpace& space,
-                         double time_seconds, int width, int height);
+                         double time_seconds, int width, int height,
+                         const Imath::Box3d& bounds = kUnitBox);
 
 } // namespace ql

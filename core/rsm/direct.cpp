@@ -69,10 +69,16 @@ V3f direct_by_maps(std::span<const ReflectiveShadowMap> maps, const RsmSurface& 
         const double cosine = std::abs(double(surface.ng.dot(incidence.to_light)));
         const double slope =
             std::min(kMaxSlope, std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine);
-        const double texel = std::sqrt(map.projection.measure(at)) / map.size *
-                             (map.projection.is_directional() ? 1.0 : double(at.depth));
-        const double bias = kFilterReach * texel * slope + kDepthRounding * (1 + double(at.depth));
-        sum += radiance * lit_share(map, at.uv, float(double(at.depth) - bias));
+        const double depth = double(at.depth);
+        const double reach = map.projection.reach(at, kFilterReach, map.size);
+        // Along a plane the depth of directions that far away grows by the slope, and by its
+        // square.
+        const double further =
+            map.projection.is_directional()
+                ? reach * slope
+                : depth * (reach * slope + reach * reach * (0.5 + slope * slope));
+        const double bias = further + kDepthRounding * (1 + depth);
+        sum += radiance * lit_share(map, at.uv, float(depth - bias));
     }
     return sum;
 }

@@ -182,7 +182,7 @@ struct Gatherer::ImportanceWeight {
         const float texels = float(gatherer.m_maps[map].texels.count());
         float density = float(job.samples.flux.size()) * gatherer.m_texel_table.density(map, uv);
         const float distance2 = (uv - job.centres[map]).length2();
-        if (distance2 < radius * radius && distance2 > 0)
+        if (distance2 < radius * radius) // infinite in the middle, which is never chosen
             density += float(job.samples.disc.size()) * gatherer.m_map_table.probability(map) /
                        (2 * kPi * std::sqrt(distance2) * radius);
         return density > 0 && std::isfinite(density) ? texels * kInvPi / density : 0.0f;

@@ -42,9 +42,8 @@ std::vector<MapLight> map_lights(const PosedScene& posed) {
         light.axis = V3f(world_from_node.vector({0, 0, -1}).normalized());
         light.intensity = V3f(source.intensity * (per_area * stored_from_real));
         light.outer_angle = source.outer_angle;
-        light.cos_outer = float(std::cos(source.outer_angle));
-        light.cos_inner = float(std::cos(source.inner_angle));
-        light.exponent = source.exponent ? float(*source.exponent) : -1.0f;
+        light.cone =
+            spot_cone(source.inner_angle, source.outer_angle, source.exponent.value_or(-1));
         if (shines(light)) lights.push_back(light);
     }
     return lights;
@@ -52,8 +51,7 @@ std::vector<MapLight> map_lights(const PosedScene& posed) {
 
 V3f intensity_towards(const MapLight& light, const V3f& direction) {
     if (light.kind != Light::Kind::spot) return light.intensity;
-    return light.intensity * spot_falloff(direction.dot(light.axis), light.cos_inner,
-                                          light.cos_outer, light.exponent);
+    return light.intensity * light.cone.falloff(one_minus_cos_between(direction, light.axis));
 }
 
 Incidence incidence_at(const MapLight& light, const V3f& point) {
@@ -61,15 +59,13 @@ Incidence incidence_at(const MapLight& light, const V3f& point) {
     if (light.kind == Light::Kind::directional) {
         incidence.to_light = -light.axis;
         incidence.distant = true;
-        incidence.distance = kInfinity;
         incidence.irradiance = light.intensity;
         return incidence;
     }
     const V3f way = light.position - point;
     const float distance2 = way.dot(way);
     if (!(distance2 > 0)) return incidence;
-    incidence.distance = std::sqrt(distance2);
-    incidence.to_light = way / incidence.distance;
+    incidence.to_light = way / std::sqrt(distance2);
     incidence.target = point + way * kShadowEnd;
     incidence.irradiance = intensity_towards(light, -incidence.to_light) / distance2;
     return incidence;

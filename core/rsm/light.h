@@ -18,9 +18,7 @@ struct MapLight {
     V3f axis = {0, 0, -1};     // unit, the way it shines
     V3f intensity = {0, 0, 0}; // along the axis
     double outer_angle = 0;    // spot: radians from the axis
-    float cos_outer = -1;
-    float cos_inner = 1;
-    float exponent = -1; // spot: negative for glTF's smooth cone
+    SpotCone cone;
 };
 
 // Lights of no intensity, no cone or no direction are left out: they need no map.
@@ -34,7 +32,6 @@ struct Incidence {
     V3f to_light = {0, 0, 0}; // unit
     V3f target = {0, 0, 0};   // must be seen from the point; unused if distant
     bool distant = false;
-    float distance = 0;         // infinite if distant
     V3f irradiance = {0, 0, 0}; // on a surface that faces the light
 
     // From near the point to the light.

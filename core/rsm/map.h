@@ -70,7 +70,7 @@ std::vector<ReflectiveShadowMap> trace_maps(const PosedScene& scene,
                                             const MapConfig& config, const Workers& workers,
                                             Progress& progress);
 
-// Squared radius, over pi, of what a texel of this measure covers at a hit: area / pi.
+// Squared radius, of what a texel of this measure covers at a hit: area / pi.
 float texel_radius2(double texel_measure, bool is_directional, float distance, float cos_light);
 
 } // namespace ql

@@ -80,6 +80,25 @@ double MapProjection::measure(const MapPoint& at) const {
     return 4 * m_tangent * m_tangent * std::pow(1 + sx * sx + sy * sy, -1.5);
 }
 
+double MapProjection::reach(const MapPoint& at, double texels, int size) const {
+    const double step = 2 * texels / size; // in a square of side 2
+    if (m_kind == Kind::orthographic) return step * m_half_width;
+    const double x = 2 * double(at.uv.x) - 1, y = 2 * double(at.uv.y) - 1;
+    if (m_kind == Kind::perspective) {
+        const double sx = x * m_tangent, sy = y * m_tangent;
+        return step * m_tangent / std::sqrt(1 + sx * sx + sy * sy);
+    }
+    // The larger coordinate is the radius of the disc, whose points 1 - cos = scale r^2 are.
+    const double scale = double(m_one_minus_cos);
+    const auto angle_at = [&](double r) {
+        return 2 * std::asin(std::min(1.0, std::sqrt(scale / 2) * std::clamp(r, 0.0, 1.0)));
+    };
+    const double r = std::max(std::abs(x), std::abs(y));
+    const double across = r > 0 ? std::sin(angle_at(r)) / r : std::sqrt(2 * scale);
+    return std::max(
+        {angle_at(r + step) - angle_at(r), angle_at(r) - angle_at(r - step), step * across});
+}
+
 std::vector<MapProjection> map_projections(const MapLight& light, MapKind kind,
                                            const World& world) {
     using Kind = MapProjection::Kind;

@@ -38,6 +38,9 @@ class MapProjection {
 
     // The measure of LightRay at a point.
     double measure(const MapPoint& at) const;
+    // How far that many texels of a map of `size` reach from a point at most: an angle, or a length
+    // for directional lights. Texels of equal area are slivers near the rim of the sphere.
+    double reach(const MapPoint& at, double texels, int size) const;
     bool is_directional() const { return m_kind == Kind::orthographic; }
 
   private:

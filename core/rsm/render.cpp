@@ -221,6 +221,13 @@ RsmRenderer::RsmRenderer(const PosedScene& scene, const PixelCamera& camera, int
     m_config.map.seed = frame_seed();
 }
 
+uint64_t RsmRenderer::frame_seed() const {
+    const uint64_t seed = m_config.seed;
+    const RandomWords words =
+        philox4x32({m_config.frame, 0x72736d66, 0, 0}, {uint32_t(seed), uint32_t(seed >> 32)});
+    return uint64_t{words[0]} << 32 | words[1];
+}
+
 void RsmRenderer::prepare_pass() {
     const GatherConfig& gather = m_config.gather;
     if (gather.gather == Gather::pattern)

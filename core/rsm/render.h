@@ -72,8 +72,8 @@ class RsmRenderer {
     Image image() const;
 
   private:
-    // Frames have random numbers of their own.
-    uint64_t frame_seed() const { return m_config.seed + m_config.frame; }
+    // Frames have random numbers of their own, which no seed shares.
+    uint64_t frame_seed() const;
 
     const PosedScene& m_scene;
     const PixelCamera& m_camera;

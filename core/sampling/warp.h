@@ -1,7 +1,7 @@
-// Maps from the unit square to directions and surfaces, with densities and inverses.
+// Maps from the unit square to directions and surfaces, with inverses.
 //
-// Directions are unit vectors, z up; u is in [0, 1)^2; angles in radians. A pdf names its measure:
-// solid angle (1/sr) or area (1/unit^2). Maps preserve stratification; all are pure functions.
+// Directions are unit vectors, z up; u is in [0, 1)^2; angles in radians. Maps preserve
+// stratification; all are pure functions.
 #pragma once
 
 #include <Imath/ImathVec.h>
@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <utility>
 
 namespace ql {
 
@@ -97,9 +96,6 @@ inline V2f uniform_disk_to_square(const V2f& p) {
     const float q = std::atan(horizontal ? p.y / p.x : p.x / p.y) * (4 * kInvPi) * r;
     return horizontal ? V2f{(r + 1) / 2, (q + 1) / 2} : V2f{(q + 1) / 2, (r + 1) / 2};
 }
-inline float uniform_disk_pdf_area(const V2f& p) {
-    return p.length2() <= 1 ? kInvPi : 0;
-}
 
 // --- Sphere, hemispheres, cone -------------------------------------------------------------------
 
@@ -122,18 +118,12 @@ inline V3f square_to_uniform_sphere(const V2f& u) {
 inline V2f uniform_sphere_to_square(const V3f& v) {
     return uniform_disk_to_square(disk_from_cap(v, 2));
 }
-inline float uniform_sphere_pdf_solid_angle() {
-    return kInvPi / 4;
-}
 
 inline V3f square_to_uniform_hemisphere(const V2f& u) {
     return cap_from_disk(square_to_uniform_disk(u), 1);
 }
 inline V2f uniform_hemisphere_to_square(const V3f& v) {
     return uniform_disk_to_square(disk_from_cap(v, 1));
-}
-inline float uniform_hemisphere_pdf_solid_angle(const V3f& v) {
-    return v.z >= 0 ? kInvPi / 2 : 0;
 }
 
 // Directions within an angle of z. The cone is given by 1 - cos(angle) = 2 sin^2(angle / 2), in
@@ -148,21 +138,14 @@ inline V3f square_to_uniform_cone(const V2f& u, float cone_one_minus_cos) {
 inline V2f uniform_cone_to_square(const V3f& v, float cone_one_minus_cos) {
     return uniform_disk_to_square(disk_from_cap(v, cone_one_minus_cos));
 }
-inline float uniform_cone_pdf_solid_angle(const V3f& v, float cone_one_minus_cos) {
-    const float h = v.z > 0 ? (v.x * v.x + v.y * v.y) / (1 + v.z) : 1 - v.z;
-    return h <= cone_one_minus_cos ? kInvPi / (2 * cone_one_minus_cos) : 0;
-}
 
-// Malley: project the disk up. z is 0 only on the rim (u.x or u.y = 0).
+// Malley: project the disk up. z may be 0 at the rim.
 inline V3f square_to_cosine_hemisphere(const V2f& u) {
     const V2f d = square_to_uniform_disk(u);
     return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.length2()))};
 }
 inline V2f cosine_hemisphere_to_square(const V3f& v) {
     return uniform_disk_to_square({v.x, v.y});
-}
-inline float cosine_hemisphere_pdf_solid_angle(const V3f& v) {
-    return std::max(0.0f, v.z) * kInvPi;
 }
 
 // --- Cosine power lobe about z -------------------------------------------------------------------
@@ -180,9 +163,6 @@ inline V3f square_to_cosine_power(const V2f& u, float exponent) {
 inline float cosine_power(const V3f& a, const V3f& b, float exponent) {
     const float one_minus = 0.5f * (a - b).length2();
     return one_minus < 1 ? std::exp(exponent * std::log1p(-one_minus)) : 0;
-}
-inline float cosine_power_pdf_solid_angle(const V3f& v, const V3f& axis, float exponent) {
-    return (exponent + 1) * (kInvPi / 2) * cosine_power(v, axis, exponent);
 }
 inline V2f cosine_power_to_square(const V3f& v, float exponent) {
     const float log_cos = 0.5f * std::log1p(-std::min(1.0f, v.x * v.x + v.y * v.y));

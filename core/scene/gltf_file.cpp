@@ -152,7 +152,7 @@ void check_buffers(const tinygltf::Model& model, bool is_glb, const std::string&
 std::shared_ptr<const tinygltf::Model> read_gltf_file(const std::string& path,
                                                       const GltfLoadConfig& config) {
     // Check the container before it is parsed.
-    const std::string file = path == "-" ? "standard input" : path;
+    const std::string file = input_name(path);
     const std::vector<std::byte> bytes = read_file(path, config.max_file_bytes);
     if (bytes.empty()) throw input_error("{}: empty file, expected glTF", file);
     if (bytes.size() > UINT32_MAX) throw input_error("{}: more than 4 GiB", file);

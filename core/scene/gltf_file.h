@@ -13,7 +13,7 @@ class Model;
 
 namespace ql {
 
-// path "-" is standard input. Files named by the glTF are looked for beside it and nowhere else.
+// path "-" is standard input. Files named by the glTF are looked for relative to its folder.
 // Errors: ErrorKind::input, one line.
 std::shared_ptr<const tinygltf::Model> read_gltf_file(const std::string& path,
                                                       const GltfLoadConfig& config);

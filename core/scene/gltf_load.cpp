@@ -1,6 +1,7 @@
 #include "scene/gltf_load.h"
 
 #include "base/error.h"
+#include "image/atomic_file.h"
 #include "scene/gltf_animation.h"
 #include "scene/gltf_file.h"
 #include "scene/gltf_import.h"
@@ -15,7 +16,7 @@ namespace {
 void import_file(const std::string& path, const GltfLoadConfig& config, const Workers& workers,
                  LoadedScene& loaded) {
     const auto model = read_gltf_file(path, config);
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = input_name(path);
     GltfImport in = {name, *model, config, loaded.scene, loaded.warnings};
     warn_of_extensions(in);
     import_nodes(in);

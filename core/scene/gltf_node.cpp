@@ -63,16 +63,14 @@ Camera camera_from(GltfImport& in, int index, const std::string& where) {
     camera.name = source.name;
     if (source.type == "perspective") {
         camera.yfov = source.perspective.yfov;
-        camera.aspect = std::max(source.perspective.aspectRatio, 0.0);
         if (!(camera.yfov > 0 && camera.yfov < std::numbers::pi))
             throw in.error("{}: yfov {}, expected an angle between 0 and pi", name, camera.yfov);
     } else if (source.type == "orthographic") {
         camera.orthographic = true;
-        camera.xmag = std::abs(source.orthographic.xmag);
         camera.ymag = std::abs(source.orthographic.ymag);
-        if (!(camera.xmag > 0 && camera.ymag > 0))
-            throw in.error("{}: xmag {} and ymag {}, expected other than 0", name, camera.xmag,
-                           camera.ymag);
+        if (!(std::abs(source.orthographic.xmag) > 0 && camera.ymag > 0))
+            throw in.error("{}: xmag {} and ymag {}, expected other than 0", name,
+                           source.orthographic.xmag, camera.ymag);
     } else {
         throw in.error("{}: type \"{}\", expected perspective or orthographic", name, source.type);
     }

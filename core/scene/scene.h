@@ -129,9 +129,8 @@ struct ImplicitShape {
 struct Camera {
     std::string name;
     bool orthographic = false;
-    double yfov = 0.8;         // radians, full vertical angle
-    double aspect = 0;         // width / height; 0: that of the image
-    double xmag = 1, ymag = 1; // orthographic: half width and half height in metres
+    double yfov = 0.8; // radians, full vertical angle
+    double ymag = 1;   // orthographic: half height in metres; the width follows the image
 };
 
 struct Light {

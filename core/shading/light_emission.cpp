@@ -3,7 +3,6 @@
 #include "sampling/warp.h"
 
 #include <algorithm>
-
 #include <cmath>
 
 namespace ql {
@@ -14,11 +13,11 @@ float mean(const V3f& v) {
     return (v.x + v.y + v.z) / 3;
 }
 
-V3f direction_at(const V3f& axis, double cosine, double turns) {
+// h: 1 - cos of the angle from the axis.
+V3f direction_at(const V3f& axis, double h, double turns) {
     const SinCos phi = sin_cos_turns(float(turns));
-    const auto sine = float(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))));
-    return frame_from_normal(axis).world_from_local(
-        {sine * phi.cos, sine * phi.sin, float(cosine)});
+    const auto sine = float(std::sqrt(std::max(0.0, h * (2 - h))));
+    return frame_from_normal(axis).world_from_local({sine * phi.cos, sine * phi.sin, float(1 - h)});
 }
 
 } // namespace
@@ -67,29 +66,11 @@ EmittedPhoton LightEmission::from_point(const LightSet::Punctual& light, V2f u) 
             light.intensity * float(1 / m_greatest_intensity)};
 }
 
-// Inverts the distribution of the intensity over the cosine x of the angle, see spot_falloff.
 EmittedPhoton LightEmission::from_spot(const LightSet::Punctual& light, V2f u) const {
-    const double outer = double(light.cos_outer);
-    double cosine, integral; // of the falloff over x
-    if (light.exponent >= 0) {
-        const double n = double(light.exponent) + 1;
-        const double at_rim = std::pow(std::max(outer, 0.0), n);
-        integral = (1 - at_rim) / n;
-        cosine = std::pow(at_rim + (1 - at_rim) * (1 - double(u.x)), 1 / n);
-    } else {
-        // A ramp ((x - outer) / width)^2 of some width, then 1.
-        const double width = std::max(double(light.cos_inner) - outer, 1e-3);
-        const double top = std::min(outer + width, 1.0);
-        const double ramp = std::pow(top - outer, 3) / (3 * width * width);
-        integral = ramp + (1 - top);
-        const double v = double(u.x) * integral;
-        cosine = v < ramp ? outer + std::cbrt(3 * v * width * width) : top + (v - ramp);
-    }
-    cosine = std::clamp(cosine, -1.0, 1.0);
-    const float falloff =
-        spot_falloff(float(cosine), light.cos_inner, light.cos_outer, light.exponent);
-    return {light.position, direction_at(light.axis, cosine, double(u.y)),
-            light.intensity * float(2 * double(kPi) * integral),
+    const double h = std::clamp(light.cone.sample(double(u.x)), 0.0, 2.0);
+    const float falloff = light.cone.falloff(float(h));
+    return {light.position, direction_at(light.axis, h, double(u.y)),
+            light.intensity * float(2 * double(kPi) * light.cone.integral()),
             light.intensity * float(double(falloff) / m_greatest_intensity)};
 }
 

@@ -22,6 +22,8 @@ constexpr float kShadowEnd = 1 - 0x1p-20f;
 constexpr size_t kMostCompared = 32;
 // Textured emission is averaged over this many points per side when a triangle's power is needed.
 constexpr int kPowerSamples = 4;
+// Of the most that a textured emitter may have, where those points find less.
+constexpr double kLeastShare = 1.0 / 64;
 
 double largest(const V3d& v) {
     return std::max({v.x, v.y, v.z});
@@ -60,18 +62,10 @@ int brightness_exponent(const World& world) {
 
 } // namespace
 
-float spot_falloff(float cos_angle, float cos_inner, float cos_outer, float exponent) {
-    if (cos_angle < cos_outer) return 0;
-    if (exponent >= 0) return std::pow(std::max(cos_angle, 0.0f), exponent);
-    const float width = std::max(cos_inner - cos_outer, 1e-3f); // as KHR_lights_punctual has it
-    const float inside = std::min(1.0f, (cos_angle - cos_outer) / width);
-    return inside * inside;
-}
-
 // The share of the axial intensity that goes to a point from which the light lies in `direction`.
 float LightSet::Punctual::falloff(const V3f& direction) const {
     if (kind != Light::Kind::spot) return 1;
-    return spot_falloff(-direction.dot(axis), cos_inner, cos_outer, exponent);
+    return cone.falloff(one_minus_cos_between(-direction, axis));
 }
 
 // On a surface that faces the light, with nothing in between; mean over R, G, B.
@@ -83,10 +77,15 @@ float LightSet::Punctual::irradiance_at(const V3f& point) const {
     return mean_intensity * falloff(way / std::sqrt(distance2)) / distance2;
 }
 
+bool has_emission(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), emits);
+}
+
 LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_exponent(world)) {
     m_stored_from_real = float(std::ldexp(1.0, -m_exponent));
     add_punctual(world);
     add_emitters(world);
+    note_lit_texels(world);
     std::vector<double> powers;
     powers.reserve(m_punctual.size() + emitter_count());
     for (const Punctual& light : m_punctual)
@@ -117,9 +116,8 @@ void LightSet::add_punctual(const World& world) {
         punctual.intensity =
             V3f(light_intensity(light, world.space) * std::ldexp(1.0, -m_exponent));
         punctual.mean_intensity = float(mean(punctual.intensity));
-        punctual.cos_outer = float(std::cos(light.outer_angle));
-        punctual.cos_inner = float(std::cos(light.inner_angle));
-        punctual.exponent = light.exponent ? float(*light.exponent) : -1.0f;
+        punctual.cone =
+            spot_cone(light.inner_angle, light.outer_angle, light.exponent.value_or(-1));
         m_punctual.push_back(punctual);
     }
 }
@@ -143,6 +141,17 @@ void LightSet::add_emitters(const World& world) {
     }
 }
 
+void LightSet::note_lit_texels(const World& world) {
+    for (const Triangle& triangle : m_triangles) {
+        const Material& material =
+            world.scene->materials[size_t(world.surfaces[triangle.surface].material)];
+        const TextureUse& use = material.model == MaterialModel::unlit ? material.base_color_texture
+                                                                       : material.emission_texture;
+        if (use.used())
+            m_lit_texels.try_emplace(use.texture, world.scene->textures[size_t(use.texture)]);
+    }
+}
+
 void LightSet::add_triangles(const World& world, uint32_t surface_index) {
     const Surface& surface = world.surfaces[surface_index];
     const Material& material = world.scene->materials[size_t(surface.material)];
@@ -157,11 +166,7 @@ void LightSet::add_triangles(const World& world, uint32_t surface_index) {
         const float length = cross.length();
         triangle.area = length / 2;
         triangle.normal = length > 0 ? cross * (surface.winding / length) : V3f(0, 0, 1);
-        triangle.offset = surface.instanced
-                              ? surface.offset
-                              : kOffsetFactor * std::max({detail::largest_coordinate(corners[0]),
-                                                          detail::largest_coordinate(corners[1]),
-                                                          detail::largest_coordinate(corners[2])});
+        triangle.offset = triangle_offset(surface, corners);
         triangle.surface = surface_index;
         triangle.primitive = t;
         triangle.double_sided = material.double_sided;
@@ -174,17 +179,11 @@ void LightSet::add_triangles(const World& world, uint32_t surface_index) {
 
 double LightSet::punctual_power(const Punctual& light) const {
     const double i = mean(light.intensity);
-    const double co = double(light.cos_outer), ci = double(light.cos_inner);
     switch (light.kind) {
     case Light::Kind::point:
         return 4 * kPiD * i;
     case Light::Kind::spot:
-        if (light.exponent >= 0) {
-            const double n = double(light.exponent);
-            return 2 * kPiD * i * (1 - std::pow(std::max(co, 0.0), n + 1)) / (n + 1);
-        }
-        // The ramp ((x - co) / (ci - co))^2 integrates to a third of its width.
-        return 2 * kPiD * i * (1 - ci + (ci - co) / 3);
+        return 2 * kPiD * i * light.cone.integral();
     case Light::Kind::directional: {
         const V3d size = m_world->bounds.isEmpty() ? V3d(0) : m_world->bounds.size();
         return i * kPiD * size.length2() / 4; // the disc around the scene's bounding sphere
@@ -213,9 +212,36 @@ double LightSet::emitter_power(size_t emitter) const {
                 radiance += mean(shape_radiance(*shape, shape->sample(u).uv));
             }
         }
+    radiance /= kPowerSamples * kPowerSamples;
+    // Light between those points must have a chance, too.
+    const bool textured = is_triangle ? m_triangles[emitter].textured : true;
+    if (textured) radiance = std::max(radiance, kLeastShare * brightest_radiance(emitter));
     const double area = is_triangle ? double(m_triangles[emitter].area) : shape->area();
     const bool both = is_triangle ? m_triangles[emitter].double_sided : is_double_sided(*shape);
-    return radiance / (kPowerSamples * kPowerSamples) * kPiD * area * (both ? 2 : 1);
+    return radiance * kPiD * area * (both ? 2 : 1);
+}
+
+// What a textured emitter may have somewhere, mean over R, G, B; 0 where its texture is black.
+double LightSet::brightest_radiance(size_t emitter) const {
+    const Scene& scene = *m_world->scene;
+    const bool is_triangle = emitter < m_triangles.size();
+    const uint32_t s = is_triangle ? m_triangles[emitter].surface
+                                   : m_shapes[emitter - m_triangles.size()].surface();
+    const Material& material = scene.materials[size_t(m_world->surfaces[s].material)];
+    const bool unlit = material.model == MaterialModel::unlit;
+    const TextureUse& use = unlit ? material.base_color_texture : material.emission_texture;
+    const V3f factor =
+        unlit ? V3f(material.base_color.x, material.base_color.y, material.base_color.z)
+              : material.emission;
+    if (use.used() && is_triangle) {
+        const Mesh& mesh = scene.meshes[size_t(m_world->surfaces[s].mesh)];
+        const std::vector<V2f>& uvs = mesh.uvs[size_t(use.uv_set)];
+        const auto& corners = mesh.triangles[m_triangles[emitter].primitive];
+        if (!uvs.empty() && !m_lit_texels.at(use.texture)
+                                 .any_in(use, {uvs[corners[0]], uvs[corners[1]], uvs[corners[2]]}))
+            return 0;
+    }
+    return mean(factor) * double(m_stored_from_real);
 }
 
 V3f LightSet::shape_radiance(const ShapeLight& shape, const V2f& uv) const {

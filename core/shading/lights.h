@@ -12,8 +12,11 @@
 
 #include "geometry/surface_point.h"
 #include "sampling/discrete.h"
+#include "shading/lit_texels.h"
 #include "shading/shape_light.h"
+#include "shading/spot_cone.h"
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -30,6 +33,9 @@ struct LightSample {
 // Of all lights one, or each point, spot and directional light and one of the emitters.
 enum class LightChoice { one, each };
 
+// Whether rays may find light on surfaces.
+bool has_emission(const Scene& scene);
+
 class LightSet {
   public:
     // Errors: ErrorKind::input for a light too far away.
@@ -39,12 +45,12 @@ class LightSet {
     // Real values are stored values times 2^exponent.
     int exponent() const { return m_exponent; }
     float stored_from_real() const { return m_stored_from_real; }
-    size_t punctual_count() const { return m_punctual.size(); }
     size_t triangle_count() const { return m_triangles.size(); }
     // Emissive triangles, spheres and cones.
     size_t emitter_count() const { return m_triangles.size() + m_shapes.size(); }
 
-    // LightChoice::each where it is wanted and there are from 2 to 32 lights for it.
+    // LightChoice::each where it is wanted, there are at most 32 point, spot and directional
+    // lights, and with the emitters as one more than one to choose from.
     LightChoice choice(bool each) const;
     // Samples that light a point.
     size_t sample_count(LightChoice choice) const;
@@ -68,8 +74,7 @@ class LightSet {
         V3f axis; // unit, the way the light shines
         V3f intensity;
         float mean_intensity;
-        float cos_outer, cos_inner;
-        float exponent; // negative: glTF's smooth cone
+        SpotCone cone;
 
         float falloff(const V3f& direction) const;
         float irradiance_at(const V3f& point) const;
@@ -89,7 +94,9 @@ class LightSet {
     void add_triangles(const World& world, uint32_t surface);
     bool is_double_sided(const ShapeLight& shape) const;
     double punctual_power(const Punctual& light) const;
+    void note_lit_texels(const World& world);
     double emitter_power(size_t emitter) const;
+    double brightest_radiance(size_t emitter) const;
     V3f triangle_radiance(const Triangle& triangle, float b1, float b2) const;
     V3f shape_radiance(const ShapeLight& shape, const V2f& uv) const;
     std::optional<LightSample> sample_one(const V3f& from, double u_pick, V2f u) const;
@@ -104,15 +111,13 @@ class LightSet {
     // Emitters are numbered: triangles first, then shapes.
     std::vector<Triangle> m_triangles;
     std::vector<ShapeLight> m_shapes;
-    std::vector<int> m_first_emitter; // by surface; -1: the surface does not emit
-    AliasTable m_pick;                // punctual lights first, then emitters
-    AliasTable m_pick_emitter;        // of emitters alone
-    float m_punctual_probability = 0; // of all of them
+    std::map<int, LitTexels> m_lit_texels; // of the textures of emitters
+    std::vector<int> m_first_emitter;      // by surface; -1: the surface does not emit
+    AliasTable m_pick;                     // punctual lights first, then emitters
+    AliasTable m_pick_emitter;             // of emitters alone
+    float m_punctual_probability = 0;      // of all of them
     int m_exponent = 0;
     float m_stored_from_real = 1;
 };
-
-// The share of its axial intensity that a spot light sends out at an angle of this cosine.
-float spot_falloff(float cos_angle, float cos_inner, float cos_outer, float exponent);
 
 } // namespace ql

@@ -20,7 +20,7 @@ class ShapeLight {
     ShapeLight(const World& world, uint32_t surface);
 
     uint32_t surface() const { return m_surface; }
-    // In render space, to 1e-3 where the node stretches the shape and exactly elsewhere.
+    // In render space, to 2 % where the node stretches the shape and exactly elsewhere.
     double area() const { return m_area; }
 
     // u in [0, 1).

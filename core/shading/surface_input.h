@@ -22,7 +22,7 @@ inline SurfaceInput surface_input_at(const World& world, uint32_t surface_index,
         return surface_input(point, point.ng);
     }
     const Mesh& mesh = world.scene->meshes[size_t(surface.mesh)];
-    detail::add_texture_coordinates(surface, mesh, mesh.triangles[primitive],
+    detail::add_texture_coordinates(mesh, mesh.triangles[primitive],
                                     {0, u, v, surface_index, primitive, point.ng}, point);
     return surface_input(point, point.ng);
 }

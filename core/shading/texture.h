@@ -95,10 +95,12 @@ inline void prefetch_texture(std::span<const Texture> textures, const TextureUse
     if (!use.used()) return;
     const Texture& texture = textures[static_cast<size_t>(use.texture)];
     const V2f at = transformed_uv(use, uv[static_cast<size_t>(use.uv_set)]);
-    const auto x = static_cast<size_t>(wrapped_coordinate(at.x, use.wrap_s) *
-                                       static_cast<float>(texture.width));
-    const auto y = static_cast<size_t>(wrapped_coordinate(at.y, use.wrap_t) *
-                                       static_cast<float>(texture.height));
+    const auto texel_at = [](float coordinate, int texels) { // 1 is a coordinate, too
+        return static_cast<size_t>(
+            std::min(static_cast<int>(coordinate * static_cast<float>(texels)), texels - 1));
+    };
+    const size_t x = texel_at(wrapped_coordinate(at.x, use.wrap_s), texture.width);
+    const size_t y = texel_at(wrapped_coordinate(at.y, use.wrap_t), texture.height);
     const size_t row = static_cast<size_t>(texture.width) * 4;
     const uint8_t* texel = texture.texels.data() + y * row + x * 4;
     __builtin_prefetch(texel);

@@ -85,11 +85,7 @@ void measure(const std::string& name, const Scene& scene, const ChosenCamera& ch
         [&] { frame = render_frame(posed, camera, seeds, config, nullptr, one, progress); });
 
     const KernelChoice choice = choose_kernel(scene);
-    const bool has_emission =
-        std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-            return m.emission != V3f(0) || m.model == MaterialModel::unlit;
-        });
-    const PathContext context{posed.rays(), posed.lights(), config.path, has_emission};
+    const PathContext context{posed.rays(), posed.lights(), config.path, has_emission(scene)};
     Recorder recorder;
     if (choice.lobes == kLobeDiffuse)
         record<kLobeDiffuse>(context, camera, seeds, recorder);

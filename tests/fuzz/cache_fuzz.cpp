@@ -110,10 +110,12 @@ void edit_header(CacheHeader& h, uint32_t where, uint32_t value) {
             h.weight_by_order[where / 16 % h.weight_by_order.size()] = value_from<int64_t>(value);
         break;
     default:
-        if (where / 16 % 2 == 0)
+        if (where / 16 % 3 == 0)
             h.unclassified = value_from<int64_t>(value);
-        else
+        else if (where / 16 % 3 == 1)
             h.blur = double(float_from(value));
+        else if (!h.caustic_by_order.empty())
+            h.caustic_by_order[where / 48 % h.caustic_by_order.size()] = value_from<int64_t>(value);
         break;
     }
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace ql {
 namespace {
@@ -125,6 +126,48 @@ TEST(DistributionMean, OfDitheredIsWhiteNoises) {
 
 TEST(DistributionMean, OfHistogramIsWhiteNoises) {
     expect_the_mean_of_white(of(Distribution::histogram), Camera::still);
+}
+
+// The mean square error, over the pixels, of the mean over 256 frames. A mask of 4 x 4 comes back
+// every fourth frame.
+double error_over_frames(Distribution distribution) {
+    constexpr int kFrames = 256, kPixels = 16;
+    const Scene scene = cornell(lambert(V3f(0.6f)), emitter(V3f(12)));
+    const Workers workers;
+    const RenderSpace space = render_space_of(scene, workers);
+    const PosedScene posed(scene, space, 0, workers);
+    const PixelCamera camera = camera_of(cornell_view(kPixels), scene, space);
+    const NextFrame next{camera, world_from_nodes(scene, 0)};
+    MaskConfig tile;
+    tile.method = MaskMethod::bayer;
+    tile.width = tile.height = 4;
+    Progress progress;
+    Mask mask{mask_ranks(tile, progress), 16, ""};
+    mask.hash = mask_hash(mask.values);
+    SequenceConfig config = of(distribution);
+    config.render.path.max_depth = 1;
+    config.permute.offsets = mask_offsets(OffsetKind::lattice, 4, 4);
+    std::vector<double> sums(kPixels * kPixels, 0);
+    FrameSequence sequence(config, mask, {}, kPixels, kPixels);
+    for (int frame = 0; frame < kFrames; ++frame) {
+        const Image image = sequence.render({posed, camera, next, frame}, workers, progress).image;
+        for (size_t i = 0; i < sums.size(); ++i)
+            sums[i] += double((*image.find("G"))[i]) / kFrames;
+    }
+    RenderConfig many = config.render;
+    many.spp = 4096;
+    const Image exact = render_frame(posed, camera, fresh_seeds(77, 0, kPixels, kPixels), many,
+                                     nullptr, workers, progress)
+                            .image;
+    double error = 0;
+    for (size_t i = 0; i < sums.size(); ++i)
+        error += std::pow(sums[i] - double((*exact.find("G"))[i]), 2);
+    return error / double(sums.size());
+}
+
+TEST(DistributionMean, OfHistogramOverFramesNearsTheTruthInEachPixel) {
+    EXPECT_LT(error_over_frames(Distribution::histogram),
+              1.6 * error_over_frames(Distribution::white));
 }
 
 TEST(DistributionMean, IsKnownWellEnoughToSeeATenth) {

@@ -239,7 +239,7 @@ TEST(RsmGather, DirectionalLightOnAnOpenSceneMatchesPathTracing) {
     RsmConfig config = config_of(Gather::importance, 32, 64);
     config.map.point = TexelPoint::jittered;
     config.compensate = Compensate::yes;
-    EXPECT_NEAR(mean_of(stage.render(config, 64), "indirect.") /
+    EXPECT_NEAR(mean_of(stage.render(config, 512), "indirect.") /
                     mean_of(stage.reference(4096), "indirect."),
                 1, 0.01);
 }

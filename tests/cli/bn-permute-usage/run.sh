@@ -23,5 +23,8 @@ refused 3 --image frame.exr --retarget other_texture.exr -o out.exr
 refused 3 --image frame.exr --retarget texture.png --offsets r2 -o out.exr
 refused 3 --image frame.exr --retarget mask.png -o out.exr
 refused 3 --image frame.exr --retarget texture.png --reproject tile --motion frame.exr -o out.exr
+# Channels that nobody asked for may be what they like
+"$SRC/tests/cli/make_image" deep.exr 9x5 R=x G=y B=0 Z=inf id:uint=x
+bn-permute --mask mask.png --image deep.exr --similar deep.exr -o good.exr || echo "a depth that nobody asked for"
 ls out* 2>/dev/null
 :

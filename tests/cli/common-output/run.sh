@@ -25,6 +25,23 @@ for tool in $(all_tools); do
     "$tool" --help >/dev/full 2>err.txt
     [ $? = 4 ] || echo "$tool: --help to /dev/full: wrong status"
 
+    # A message that nobody can read is no other error
+    "$tool" --no-such-option 2>/dev/full
+    [ $? = 2 ] || echo "$tool: stderr to /dev/full: wrong status"
+    "$tool" --no-such-option 2>&-
+    [ $? = 2 ] || echo "$tool: closed stderr: wrong status"
+
+    # Where a name is a link, the file it leads to is written
+    if [ -n "$EXT" ]; then
+        mkdir -p linked
+        ln -sf linked/target.$EXT full.$EXT
+        arguments full.$EXT
+        "$tool" "${RUN[@]}" >/dev/null 2>err.txt
+        [ -L full.$EXT ] && [ -s linked/target.$EXT ] || echo "$tool: a link was replaced: $(cat err.txt)"
+        rm -rf linked
+        arguments result.$EXT
+    fi
+
     # With standard output closed, files are still written and not mixed up with it
     if [ -n "$EXT" ] && [ ! -s out.txt ]; then
         mv result.$EXT before.$EXT

@@ -22,3 +22,9 @@ img-spectrum one.exr wide.exr
 echo $?
 img-spectrum --reference wide.exr one.exr
 echo $?
+# Masks in R, G and B are three, a grey picture is one
+bn-mask --size 16x16 --channels 3 -o masks.exr
+bn-mask --size 16x16 -o mask.exr
+oiiotool mask.exr --ch Y,Y,Y --chnames R,G,B -o grey.exr
+img-spectrum --mask masks.exr | grep -E "^frames|^distinct"
+img-spectrum --mask grey.exr | grep -E "^frames|^distinct"

@@ -17,6 +17,10 @@ ls-merge shard5.exr first.exr -o two.exr && cmp whole.exr two.exr
 ls-merge shard4.exr shard2.exr shard5.exr shard1.exr shard3.exr -o five.exr && cmp whole.exr five.exr
 ls-inject "$scene" "${options[@]}" --photons 15000:20000 --add first.exr -o added.exr &&
     cmp whole.exr added.exr
+# --stats are those of the photons that were traced
+ls-inject "$scene" "${options[@]}" --photons 15000:20000 -o alone.exr --stats alone.json
+ls-inject "$scene" "${options[@]}" --photons 15000:20000 --add first.exr -o added.exr --stats added.json
+diff <(sed -n '/"result"/,$p' alone.json) <(sed -n '/"result"/,$p' added.json)
 
 # The same with a blur, which is part of the cache.
 options=(--voxels 5x4x6 --max-depth 4 -q --blur 0.5vox)

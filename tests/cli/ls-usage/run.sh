@@ -20,4 +20,11 @@ try ls-inject "$scene" --estimator count-text --blur 0.25vox -q -o a.exr
 try ls-sample "$scene" --cache c.exr --occlusion candidates --blur 0.1 -o a.exr
 try ls-sample "$scene" --cache c.exr --layers red -o a.exr
 try ls-sample "$scene" --cache c.exr --glossy 5 2 -o a.exr
+try ls-inject "$scene" --max-depth 801 -o a.exr
+try ls-inject "$scene" --estimator count-text --branches 8 -q -o a.exr
+try ls-inject "$scene" -o a.png
+try ls-merge c.exr -o a.png
+# What cannot be added is refused before anything is traced
+try ls-inject "$scene" --photons 1e12 --voxels 4x4x4 --max-depth 3 --add missing.exr -o a.exr
+try ls-inject "$scene" --photons 500:1000000000000 --voxels 4x4x4 --max-depth 3 --add c.exr -o a.exr
 [ ! -e a.exr ]

@@ -25,4 +25,8 @@ refused --aov motion
 refused --aov variance --spp 1
 refused --frames 0-1
 refused --rsm-out map.png
+refused --max-memory nan
+rsm-render "$scene" --size 4x4 --rsm-size 16 --aov all -o all.exr --stats all.json --compensate
+grep -o '"texels": "jittered"' all.json
+rm all.*
 ls

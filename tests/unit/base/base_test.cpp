@@ -55,6 +55,7 @@ TEST(Error, KindsAreTheDocumentedExitStatuses) {
 TEST(Error, MessagesAreOneLineThatNoTerminalObeys) {
     EXPECT_STREQ(input_error("'{}'", "a\nb\t\x1b[2J\x7f\u00fc\n").what(), "'a b  [2J \u00fc '");
     EXPECT_STREQ(usage_error("{}", "a\n\n").what(), "a");
+    EXPECT_STREQ(usage_error("{}", "a\u009b2Jb").what(), "a\xc2 2Jb"); // CSI in one character
 }
 
 TEST(Workers, RunEveryItemOnceForAnyThreadCount) {

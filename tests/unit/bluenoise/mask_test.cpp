@@ -102,7 +102,8 @@ TEST(Mask, RefusesSizesAndSigmasOutOfRange) {
 }
 
 TEST(MaskFile, RanksComeBackExactlyFromFloatAndFrom16Bits) {
-    for (const auto& [width, height] : {std::pair{61, 67}, {1, 1}, {256, 256}}) {
+    for (const auto& [width, height] :
+         {std::pair{61, 67}, {1, 1}, {200, 200}, {255, 257}, {256, 256}}) {
         const MaskConfig mask = config(MaskMethod::white, width, height);
         const Array2D<uint32_t> expected = ranks(mask);
         EXPECT_EQ(mask_from_image(mask_image({expected}, mask, MaskSamples::exact), "", "m").values,
@@ -111,7 +112,7 @@ TEST(MaskFile, RanksComeBackExactlyFromFloatAndFrom16Bits) {
         png.source_bits = 16;
         Array2D<uint32_t> samples = mask_from_image(png, "", "m").values;
         for (uint32_t& sample : samples.values())
-            sample = uint32_t(uint64_t(sample) * expected.size() / 65536);
+            sample = uint32_t((2 * uint64_t(sample) + 1) * expected.size() / 131072);
         EXPECT_EQ(samples, expected);
     }
 }

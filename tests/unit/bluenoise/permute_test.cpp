@@ -429,5 +429,17 @@ TEST(Demodulated, IntensityForgetsTheTexture) {
     EXPECT_THROW(demodulated(intensity, Image(3, 1), "i"), Error);
 }
 
+TEST(Guides, PixelsWithoutASurfaceHaveNoMotion) {
+    Image image(2, 1);
+    image.plane("motion.X") = Array2D<float>(2, 1, {4, 0});
+    image.plane("motion.Y") = Array2D<float>(2, 1, {-2, 0});
+    EXPECT_EQ(mean_motion(*motion_planes(image), {0, 0, 2, 1}, 9), Imath::V2i(2, -1));
+    image.uint_plane("id") = Array2D<uint32_t>(2, 1, {7, 0});
+    EXPECT_EQ(mean_motion(*motion_planes(image), {0, 0, 2, 1}, 9), Imath::V2i(4, -2));
+    image.uint_plane("id") = Array2D<uint32_t>(2, 1, {7, 7});
+    image.plane("Z") = Array2D<float>(2, 1, {1, 0});
+    EXPECT_EQ(mean_motion(*motion_planes(image), {0, 0, 2, 1}, 9), Imath::V2i(4, -2));
+}
+
 } // namespace
 } // namespace ql

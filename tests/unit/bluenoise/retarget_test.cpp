@@ -137,6 +137,15 @@ TEST(Anneal, EveryScheduleIsAFunctionOfItsSeed) {
     }
 }
 
+TEST(Anneal, AnEquilibriumMayBeAnyNumber) {
+    const RetargetProblem problem(mask(16, 16), config({9, 9}, 4));
+    AnnealConfig c;
+    c.steps = 20000;
+    c.equilibrium = INT64_MAX;
+    Progress progress;
+    EXPECT_EQ(anneal(problem, c, progress).steps, c.steps);
+}
+
 TEST(Anneal, TemperaturesFollowTheirFormulas) {
     const RetargetProblem problem(mask(16, 16), config({9, 9}, 4));
     Progress progress;
@@ -207,6 +216,10 @@ TEST(RetargetFile, RefusesWhatIsNoBijectionAndNoTexture) {
     EXPECT_THROW(retarget_textures({retarget_image(texture, RetargetEncoding::exr)}, "r"), Error);
     texture.moves(1, 1) = {0, 0};
     Image image = retarget_image(texture, RetargetEncoding::exr);
+    image.metadata["ql:motion"] = std::string("65536,0");
+    EXPECT_THROW(retarget_textures({image}, "r"), Error);
+    image.metadata["ql:motion"] = std::string("0,0");
+    EXPECT_NO_THROW(retarget_textures({image}, "r"));
     image.metadata["ql:step"] = std::string("1;1");
     EXPECT_THROW(retarget_textures({image}, "r"), Error);
     image.metadata.erase("ql:step");

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -151,6 +152,43 @@ TEST(AtomicFile, ASignalLeavesOnlyWholeFilesAndIsTheCauseOfDeath) {
             EXPECT_EQ(entry.file_size(), uintmax_t(4 << 20));
         }
     }
+}
+
+TEST(AtomicFile, WritesWhereALinkLeadsAndLeavesTheLink) {
+    const ScratchFolder folder, other;
+    for (const std::string& target : {other / "there", other / "new"}) {
+        if (target.ends_with("there")) write_file(target, "old");
+        ASSERT_EQ(symlink(target.c_str(), (folder / "link").c_str()), 0);
+        write_file(folder / "link", "text");
+        struct stat status = {};
+        ASSERT_EQ(lstat((folder / "link").c_str(), &status), 0);
+        EXPECT_TRUE(S_ISLNK(status.st_mode));
+        EXPECT_EQ(text_of(target), "text");
+        unlink((folder / "link").c_str());
+    }
+    EXPECT_EQ(other.file_count(), 2u);
+    ASSERT_EQ(symlink("circle", (folder / "circle").c_str()), 0);
+    EXPECT_EQ(kind_of([&] { write_file(folder / "circle", "x"); }), ErrorKind::output);
+}
+
+TEST(AtomicFile, KeepsThePermissionsOfTheFileThatItReplaces) {
+    const ScratchFolder folder;
+    write_file(folder / "a", "x");
+    ASSERT_EQ(chmod((folder / "a").c_str(), 0600), 0);
+    write_file(folder / "a", "y");
+    struct stat status = {};
+    ASSERT_EQ(stat((folder / "a").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600u);
+}
+
+TEST(AtomicFile, WritesToWhatADescriptorHasOpen) {
+    const ScratchFolder folder;
+    write_file(folder / "a", "before ");
+    const int descriptor = open((folder / "a").c_str(), O_WRONLY | O_APPEND);
+    ASSERT_GE(descriptor, 0);
+    write_file("/proc/self/fd/" + std::to_string(descriptor), "after");
+    close(descriptor);
+    EXPECT_EQ(text_of(folder / "a"), "before after");
 }
 
 } // namespace

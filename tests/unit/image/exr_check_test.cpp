@@ -133,5 +133,18 @@ TEST(ExrCheck, RefusesChannelsAndCompressionsThatDoNotExist) {
     }
 }
 
+TEST(ExrCheck, TakesLowImagesInCompressionsOfManyLines) {
+    Header header;
+    header.add_window(0, 0, 19999, 9);
+    header.add_channel();
+    header.add_compression(9); // 256 lines a chunk
+    EXPECT_EQ(header.answer(), "");
+    Header wide;
+    wide.add_window(0, 0, (1 << 22) - 1, 0);
+    wide.add_channel();
+    wide.add_compression(9);
+    EXPECT_NE(wide.answer().find("chunks of"), std::string::npos) << wide.answer();
+}
+
 } // namespace
 } // namespace ql

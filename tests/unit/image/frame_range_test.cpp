@@ -31,6 +31,7 @@ TEST(NumberedPath, PutsTheFrameInWithItsZeros) {
 }
 
 TEST(NumberedPath, RefusesOtherConversions) {
+    EXPECT_THROW(numbered_path("a%3d_%04d", 1), Error);
     for (const char* pattern : {"%s", "%", "%4d", "%04x", "%00d", "%d%d", "%n", "100%", "%d 100%"})
         EXPECT_THROW(numbered_path(pattern, 1), Error) << pattern;
 }

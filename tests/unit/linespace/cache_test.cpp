@@ -25,6 +25,7 @@ CacheHeader small_header() {
     header.unit = 2.5;
     header.photons = {{0, 10}};
     header.weight_by_order = {5, 7};
+    header.caustic_by_order = {0, 2};
     return header;
 }
 
@@ -148,6 +149,7 @@ TEST(LightCache, MergesInAnyOrderToTheWhole) {
     LightCache whole = cache_of(parts, 500, workers);
     whole.header.photons = {{0, 30}};
     whole.header.weight_by_order = {15, 21};
+    whole.header.caustic_by_order = {0, 6};
     const auto merge3 = [&](size_t a, size_t b, size_t c) {
         return merged(merged(caches[a], caches[b], "b"), caches[c], "c");
     };
@@ -227,6 +229,15 @@ TEST_F(CacheFile, RefusesEveryFlippedByteAndEveryShorterFile) {
     }
     for (int i = 0; i < 40; ++i)
         EXPECT_TRUE(refused(bytes.substr(0, bounded(random, uint32_t(bytes.size()))))) << i;
+}
+
+TEST(ShaftAccumulator, RefusesSumsThatLeave64Bits) {
+    const Workers workers(2);
+    ShaftAccumulator sums(12, 52);
+    std::vector<std::vector<Deposit>> chunks(1, std::vector<Deposit>(1, {3, 17, {1024, 1, 1}}));
+    sums.add(chunks, workers);
+    chunks.assign(1, std::vector<Deposit>(1, {3, 17, {1024, 1, 1}}));
+    EXPECT_THROW(sums.add(chunks, workers), Error);
 }
 
 } // namespace

@@ -24,7 +24,8 @@ struct SparseCache {
         all.header.cell = grid.cell / posed.world().space.scale;
         all.header.unit = 1;
         all.header.photons = {{0, 100}};
-        all.header.weight_by_order = {1};
+        all.header.weight_by_order = {1, 3};
+        all.header.caustic_by_order = {0, 5};
         for (uint32_t s = 0; s < all.header.directed(); ++s)
             all.shafts.push_back(s);
         all.first = {0, all.shafts.size()};
@@ -95,6 +96,15 @@ TEST_F(SmoothedTable, GoesFromTheShaftItselfToTheMeanOfTheVoxel) {
                     1e-5f * own.radiance(0, s).x + 1e-6f);
         EXPECT_NEAR(much.radiance(0, s).x / mean.x, 1, 1e-3);
     }
+}
+
+TEST_F(SmoothedTable, SharesOfShortPathsAreThoseOfTheirLayer) {
+    const ReadTable own = table(0);
+    EXPECT_EQ(own.share_up_to(0), 0);
+    EXPECT_EQ(own.share_up_to(1), 0.25f);
+    EXPECT_EQ(own.share_up_to(2), 1);
+    EXPECT_EQ(own.caustic_share_up_to(1), 0);
+    EXPECT_EQ(own.caustic_share_up_to(5), 1);
 }
 
 } // namespace

@@ -139,6 +139,17 @@ TEST(ErrorFigures, NonFiniteSamplesAreCountedAndLeftOut) {
     EXPECT_EQ(none.samples, 0u);
 }
 
+TEST(ErrorFigures, WithoutABlurThePerceptualErrorIsTheMse) {
+    Array2D<float> image = noise(8, 8, 1);
+    image[3] = INFINITY;
+    image[20] = NAN;
+    ErrorConfig config;
+    config.sigmas_px = {0};
+    const ErrorFigures found = figures(image, constant(8, 8, 0), config);
+    EXPECT_EQ(found.non_finite, 2u);
+    EXPECT_NEAR(found.perceptual.at(0).mse / found.mse, 1, 1e-9);
+}
+
 TEST(ErrorFigures, DoNotDependOnTheThreadCount) {
     const auto image = noise(301, 203, 5), reference = noise(301, 203, 6);
     ErrorConfig config;
@@ -181,6 +192,18 @@ TEST(RelativeError, IsTheRootOfEachPixelsShareInRelmse) {
     for (const float e : relative_error(std::span(&pair, 1), Workers(1)).values())
         sum += double(e) * double(e);
     EXPECT_NEAR(sum / 256 / figures(image, reference).relmse, 1, 1e-5);
+}
+
+TEST(RelativeError, IsNotANumberWhereASampleIsNotFinite) {
+    Array2D<float> image = constant(3, 1, 1);
+    image[0] = INFINITY;
+    image[1] = NAN;
+    const Array2D<float> reference = constant(3, 1, 1);
+    const ChannelPair pair{&image, &reference};
+    const Array2D<float> error = relative_error(std::span(&pair, 1), Workers(1));
+    EXPECT_TRUE(std::isnan(error[0]));
+    EXPECT_TRUE(std::isnan(error[1]));
+    EXPECT_EQ(error[2], 0);
 }
 
 TEST(FalseColor, RisesInLightness) {

@@ -119,5 +119,12 @@ TEST(Camera, FarCamerasKeepTheirAim) {
     }
 }
 
+// What moves towards a camera far away must not be left behind by rays that start near the scene.
+TEST(Camera, RaysOfFarCamerasStartBeforeWhatHasMoved) {
+    const PixelCamera camera(perspective(), translated({0, 0, 6}), {}, kWidth, kHeight,
+                             Imath::Box3d(V3d(-0.5, -0.5, 3), V3d(0.5, 0.5, 3.5)));
+    EXPECT_GT(camera.ray(kWidth / 2.0, kHeight / 2.0).origin.z, 3.5f);
+}
+
 } // namespace
 } // namespace ql

@@ -19,8 +19,7 @@ MapLight spot(double outer_degrees) {
     light.axis = V3f(0.3f, -0.5f, 0.7f).normalized();
     light.intensity = V3f(1);
     light.outer_angle = outer_degrees / 180 * kPiD;
-    light.cos_outer = float(std::cos(light.outer_angle));
-    light.exponent = 0;
+    light.cone = spot_cone(0, light.outer_angle, 0);
     return light;
 }
 

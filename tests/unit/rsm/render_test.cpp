@@ -329,5 +329,32 @@ TEST(RsmRender, TheWeightsOfTheThesisDependOnTheUnitOfLength) {
     EXPECT_LT(mean(0.1), 0.1 * mean(1));
 }
 
+// Texels of equal area are slivers opposite of where a point light's map begins.
+TEST(RsmRender, DirectLightByMapLeavesNoShadowsOnEmptyWalls) {
+    Builder room;
+    room.box({-1, -1, -1}, {1, 1, 1}, room.material({0.7f, 0.7f, 0.7f}));
+    room.light(Light::Kind::point, {0, 0, 0}, {0, 0, -1}, 1);
+    for (const double z : {-1.0, 1.0}) {
+        const Stage stage(room, 24, {0.01, 0.02, 0}, {0.01, 0.02, z});
+        RsmConfig config = config_of(Gather::importance, 256, 1);
+        config.pixel = PixelPoint::centre;
+        const double by_ray = mean_of(stage.render(config, 1), "direct.");
+        config.direct = DirectMode::map;
+        EXPECT_NEAR(mean_of(stage.render(config, 1), "direct.") / by_ray, 1, 0.01) << z;
+    }
+}
+
+TEST(RsmRender, SeedsOfOneFrameAreNotThoseOfAnother) {
+    const Stage stage(spot_room(), 8, kFrom, kAt);
+    RsmConfig config = config_of(Gather::importance, 64, 8);
+    config.rotation = Rotation::white;
+    config.frame = 1;
+    const Image first = stage.render(config, 1);
+    config.frame = 0;
+    config.seed = 1;
+    const Image second = stage.render(config, 1);
+    EXPECT_NE(first.find("indirect.G")->values(), second.find("indirect.G")->values());
+}
+
 } // namespace
 } // namespace ql

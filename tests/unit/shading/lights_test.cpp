@@ -1,3 +1,4 @@
+#include "shading/light_emission.h"
 #include "shading/lights.h"
 
 #include "metrics/statistics.h"
@@ -233,14 +234,37 @@ TEST(Lights, SidesThatDoNotShineAreNotSampled) {
     }
 }
 
-TEST(Lights, SpotFalloffs) {
-    EXPECT_EQ(spot_falloff(0.5f, 1, 0.6f, -1), 0);
-    EXPECT_EQ(spot_falloff(0.95f, 0.9f, 0.6f, -1), 1);
-    EXPECT_NEAR(spot_falloff(0.75f, 0.9f, 0.6f, -1), 0.25f, 1e-6f);
-    EXPECT_EQ(spot_falloff(0.5f, 1, 0.6f, 3), 0);
-    EXPECT_NEAR(spot_falloff(0.8f, 1, 0.6f, 3), 0.512f, 1e-6f);
-    EXPECT_EQ(spot_falloff(0.8f, 1, 0.6f, 0), 1);
-    EXPECT_EQ(spot_falloff(0.8f, 0.8f, 0.8f, -1), 0); // a cone without width starts at its edge
+// A lamp of 8 x 8 texels in a black texture of 64 x 64, wherever it lies.
+TEST(Lights, SmallPartsOfATextureShine) {
+    for (int at = 0; at < 56; at += 3) {
+        SceneBuilder b;
+        Material m = emitter(V3f(5));
+        m.emission_texture.texture = 0;
+        Texture texture{"", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 0)};
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x)
+                for (int c = 0; c < 4; ++c)
+                    texture.texels[size_t(4 * (64 * (at + y) + 55 - at + x) + c)] = 255;
+        b.scene.textures.push_back(texture);
+        b.add_quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, b.add_material(m));
+        b.scene.meshes.back().uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        const World world = world_of(b.scene);
+        const LightSet lights(world);
+        EXPECT_FALSE(lights.empty()) << at;
+        EXPECT_GT(LightEmission(lights).power(), 0) << at;
+    }
+}
+
+TEST(Lights, TrianglesOfABlackTextureAreNeverChosen) {
+    SceneBuilder b;
+    Material m = emitter(V3f(5));
+    m.emission_texture.texture = 0;
+    Texture texture{"", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 0)};
+    texture.texels[4 * (64 * 60 + 60)] = 255;
+    b.scene.textures.push_back(texture);
+    b.add_quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, b.add_material(m));
+    b.scene.meshes.back().uvs[0] = {{0.1f, 0.1f}, {0.5f, 0.1f}, {0.5f, 0.5f}, {0.1f, 0.5f}};
+    EXPECT_TRUE(LightSet(world_of(b.scene)).empty());
 }
 
 TEST(Lights, BrightnessIsKeptNearOneWhateverItsUnit) {
