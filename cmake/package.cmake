@@ -8,10 +8,12 @@ install(DIRECTORY examples/overview/images DESTINATION ${CMAKE_INSTALL_DOCDIR}/e
 # The version comes from git: v1.2.3 is 1.2.3, and five commits later 1.2.3+5.gabc1234. Before the
 # first tag it is that of project() with the number of commits, which sorts before the release:
 # 0.1.0~87.gabc1234. Without git it is that of project().
-execute_process(COMMAND git -C ${CMAKE_SOURCE_DIR} describe --tags --long --match v[0-9]*
-                OUTPUT_VARIABLE described OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-execute_process(COMMAND git -C ${CMAKE_SOURCE_DIR} rev-list --count HEAD
-                OUTPUT_VARIABLE commits OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(NOT QL_GIT_COMMIT STREQUAL unknown)
+    execute_process(COMMAND git -C ${CMAKE_SOURCE_DIR} describe --tags --long --match v[0-9]*
+                    OUTPUT_VARIABLE described OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+    execute_process(COMMAND git -C ${CMAKE_SOURCE_DIR} rev-list --count HEAD
+                    OUTPUT_VARIABLE commits OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
 if(described MATCHES "^v(.+)-0-g[0-9a-f]+$")
     set(CPACK_PACKAGE_VERSION ${CMAKE_MATCH_1})
 elseif(described MATCHES "^v(.+)-([0-9]+)-(g[0-9a-f]+)$")

@@ -35,7 +35,7 @@ void add_anneal_options(cli::Tool& tool, Options& options) {
     add("--t0", options.anneal.t0, "First temperature, steps of the mask; 0: accepts everything")
         ->check(CLI::NonNegativeNumber);
     options.alpha_option =
-        add("--alpha", options.anneal.alpha, "Rate of cooling, 0.8 to 0.99 as a rule");
+        add("--alpha", options.anneal.alpha, "Rate of cooling, usually 0.8 to 0.99");
     options.equilibrium_option =
         add("--equilibrium", options.anneal.equilibrium,
             "Accepted exchanges before kirkpatrick cools; 0: five per pixel")
@@ -62,7 +62,7 @@ void add_options(cli::Tool& tool, Options& options) {
     options.offsets_option = cli::add_choice<OffsetKind>(
         tool, "--offsets", options.offsets,
         {{"lattice", OffsetKind::lattice}, {"r2", OffsetKind::r2}, {"thesis", OffsetKind::thesis}},
-        "Steps to make textures for");
+        "Steps of the mask to make textures for");
     tool.app.add_option("--radius", options.radius_px, "Farthest move on each axis, pixels")
         ->check(CLI::Range(0, kMaxRetargetRadius));
     options.motion_option =

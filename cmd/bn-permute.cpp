@@ -30,7 +30,7 @@ void add_options(cli::Tool& tool, Options& options) {
     file("--depth", options.depth, "Depth Z with camera matrices in the header; needs --next");
     file("--next", options.next, "Any image with the next frame's camera matrices");
     file("--similar", options.similar,
-         "Sort among like surfaces only: channels id, N.X N.Y N.Z, albedo.R albedo.G albedo.B");
+         "Sort only among similar surfaces: channels id, N.X N.Y N.Z, albedo.R albedo.G albedo.B");
     file("--albedo", options.albedo,
          "Sort intensity over albedo: channels albedo.R albedo.G albedo.B");
     tool.add_seed(options.seed);

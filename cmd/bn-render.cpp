@@ -72,7 +72,8 @@ void declare(cli::Tool& tool, Options& o) {
     cli::add_choice(tool, "--distribution", o.sequence.distribution, kDistributions,
                     "How random numbers are given to pixels; all but white need --mask");
     cli::add_permute_options(tool, o.permute);
-    tool.app.add_flag("--similar", o.similar, "Sort among surfaces of like normal and albedo only");
+    tool.app.add_flag("--similar", o.similar,
+                      "Sort only among surfaces of similar normal and albedo");
     tool.app.add_flag("--demodulate", o.demodulate, "Sort intensity divided by albedo");
     tool.app
         .add_option("--estimates", o.sequence.estimates,

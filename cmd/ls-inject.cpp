@@ -72,8 +72,7 @@ void declare(cli::Tool& tool, Options& o) {
     for (const char* name : {"--camera", "--look-from", "--look-at", "--fov", "--size"})
         tool.app.remove_option(tool.app.get_option(name));
     tool.add_output(o.output, "Cache, deep .exr")->required(false);
-    tool.app.add_option("--info", o.info, "Say what a cache is and holds; needs no scene")
-        ->type_name("CACHE");
+    tool.app.add_option("--info", o.info, "Describe a cache; needs no scene")->type_name("CACHE");
     tool.app
         .add_option_function<std::string>(
             "--photons", [&o](const std::string& text) { o.inject.photons = parse_photons(text); },
@@ -115,9 +114,10 @@ void declare(cli::Tool& tool, Options& o) {
         ->type_name("R|Xvox")
         ->default_str("0");
     tool.app
-        .add_option("--branches", o.inject.branches,
-                    "Ways on which a photon goes on from the first surface, with a share of its "
-                    "flux each; the estimator energy alone")
+        .add_option(
+            "--branches", o.inject.branches,
+            "Paths into which a photon is split at the first surface, each with a share of its "
+            "flux; the estimator energy alone")
         ->check(CLI::Range(1, kMaxBranches));
     tool.app.add_option("--add", o.add, "Add to this cache of other photons of the same run")
         ->type_name("CACHE");

@@ -64,8 +64,8 @@ void declare_reading(cli::Tool& tool, Options& o) {
     tool.app
         .add_option(
             "--smoothing", o.smoothing,
-            "Photons a shaft with which it and the shafts around it weigh the same; 0: each "
-            "by itself; needs a cache of the estimator energy")
+            "Photons per shaft at which a shaft and those around it have equal weight; 0: each by "
+            "itself; needs a cache of the estimator energy")
         ->check(CLI::Range(0.0, 1e9))
         ->default_str("1000");
     tool.app

@@ -80,21 +80,21 @@ void add_image_options(Tool& tool, RsmOptions& o) {
         tool, "--rotate", o.config.rotation,
         {{"none", Rotation::none}, {"white", Rotation::white}, {"blue", Rotation::blue}},
         "How samples differ from pixel to pixel");
-    tool.app.add_option("--mask", o.mask, "Mask of --rotate blue; one of 64x64 is made else")
+    tool.app.add_option("--mask", o.mask, "Mask of --rotate blue; by default one of 64x64 is made")
         ->type_name("FILE");
     add_choice<DirectMode>(tool, "--direct", o.config.direct,
                            {{"ray", DirectMode::ray}, {"map", DirectMode::map}},
                            "Shadows of direct light");
     tool.app
         .add_option("--interpolate", o.config.interpolate,
-                    "Gather at every N-th pixel and interpolate where that goes")
+                    "Gather at every N-th pixel; interpolate where surfaces are alike")
         ->check(CLI::Range(1, 16));
     tool.app
         .add_option("--spp", o.passes, "Passes: 1 through the pixel's centre, more anywhere in it")
         ->check(CLI::Range(1, kUnlimitedPasses));
     tool.app
         .add_option("--time-limit", o.time_limit_seconds,
-                    "Begin no pass that would end later; without --spp, pass after pass till then")
+                    "Start no pass that would end later; without --spp as many passes as fit")
         ->type_name("SECONDS")
         ->default_str("")
         ->check(CLI::Range(1e-3, 1e9));

@@ -212,7 +212,7 @@ Tool::Tool(ToolInfo info) : app(info.description, info.name), m_info(std::move(i
         ->check(CLI::Range(0, kMaxThreads))
         ->group("Common");
     app.add_flag("-q,--quiet", m_quiet, "No warnings and no progress")->group("Common");
-    app.add_flag("-v,--verbose", m_verbosity, "Say more; with --version the libraries too")
+    app.add_flag("-v,--verbose", m_verbosity, "Print more; with --version also the libraries")
         ->group("Common");
     app.add_option("--progress", m_progress, "Progress on stderr; auto: on a terminal")
         ->check(CLI::IsMember({"auto", "always", "never"}))

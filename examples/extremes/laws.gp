@@ -2,7 +2,7 @@
 set datafile separator ','
 set key outside right
 points = folder . '/points.csv'
-select(law, tool, column) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" && $6 == 0 { print $3 \",\" $4 }' %s", law, tool, points)
+select(law, tool) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" && $6 == 0 { print $3 \",\" $4 }' %s", law, tool, points)
 tools = 'bn-render rsm-render ls-sample'
 drawn(x) = x < 1e-9 ? 1e-9 : x # what is equal is drawn at 1e-9
 
@@ -16,13 +16,13 @@ do for [type in 'svg png'] {
     set ylabel 'deviation of the mean'
     set title 'Scene scaled by s, candela by s^2'
     set xlabel 's'
-    plot for [t in tools] select('unit of length', t, 0) using 1:(drawn($2)) with linespoints title t, 2e-3 title 'tolerance' dashtype 2
+    plot for [t in tools] select('unit of length', t) using 1:(drawn($2)) with linespoints title t, 2e-3 title 'tolerance' dashtype 2
     set title 'Scene moved from the origin'
     set xlabel 'metres'
-    plot for [t in tools] select('place', t, 0) using 1:(drawn($2)) with linespoints title t, 2e-3 title 'tolerance' dashtype 2
+    plot for [t in tools] select('place', t) using 1:(drawn($2)) with linespoints title t, 2e-3 title 'tolerance' dashtype 2
     set title 'Light times a power of two'
     set xlabel 'factor'
-    plot for [t in tools] select('light', t, 0) using 1:(drawn($2)) with linespoints title t
+    plot for [t in tools] select('light', t) using 1:(drawn($2)) with linespoints title t
     unset logscale y
     set format y '%g'
     set yrange [*:*]
@@ -30,7 +30,7 @@ do for [type in 'svg png'] {
     set xlabel "roughness (GGX), exponent (Phong), index of refraction (glass)"
     set ylabel ''
     laws = 'GGX Phong glass'
-    plot for [l in laws] select('furnace ' . l, 'bn-render', 0) using ($1 == 0 ? 1e-3 : $1):2 with linespoints title l
+    plot for [l in laws] select('furnace ' . l, 'bn-render') using ($1 == 0 ? 1e-3 : $1):2 with linespoints title l
     unset multiplot
     unset logscale
     set output

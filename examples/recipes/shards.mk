@@ -21,10 +21,15 @@ check: $(OUT)/cache.exr $(OUT)/whole.exr
 
 $(OUT):
 	mkdir -p $@
+# Changes when one of these does, and all that follows from it is made anew.
+SETTINGS = $(SCENE) $(PHOTONS) $(SHARDS) $(OPTIONS)
+$(OUT)/settings: FORCE | $(OUT)
+	@echo '$(SETTINGS)' | cmp -s - $@ || echo '$(SETTINGS)' >$@
+FORCE:
 # One thread each: make runs as many at a time as there are cores.
-$(OUT)/shard-%.exr: $(SCENE) | $(OUT)
+$(OUT)/shard-%.exr: $(SCENE) $(OUT)/settings
 	$(QL_BIN)/ls-inject $< $(OPTIONS) --photons $(call first,$*):$(call first,($* + 1)) -j 1 -o $@
 $(OUT)/cache.exr: $(shards:%=$(OUT)/shard-%.exr)
 	$(QL_BIN)/ls-merge $^ -o $@
-$(OUT)/whole.exr: $(SCENE) | $(OUT)
+$(OUT)/whole.exr: $(SCENE) $(OUT)/settings
 	$(QL_BIN)/ls-inject $< $(OPTIONS) --photons $(PHOTONS) -o $@

@@ -187,7 +187,8 @@ def lambert(gltf, name, color):
 
 def phong(gltf, name, color, exponent):
     gltf.use("QL_materials_phong")
-    # Width of GGX whose peak is as high as that of the cosine lobe: alpha^2 = 2 / (n + 2).
+    # For programs without the extension: alpha^2 = 2 / (n + 2), Walter et al., "Microfacet models for
+    # refraction through rough surfaces", EGSR 2007, for a lobe about the half vector.
     roughness = rounded((2 / (exponent + 2)) ** 0.25)
     return gltf.add(
         "materials",

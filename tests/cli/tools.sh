@@ -4,12 +4,12 @@
 #   command ARGS...      a short run that succeeds; @OUT@ stands for the file it writes, and the
 #                        first word that starts with good. for an image it reads
 #   output EXT           the ending that @OUT@ takes
-#   no_output            when it writes only to standard output
 #   slow ARGS...         a run of several seconds that writes @OUT@ (tools that read no image)
 #   big ARGS...          a run that needs more than 1 GB (tools whose options can ask for that)
 
 make_inputs() {
     cp "$SRC/examples/scenes/cornell_point.gltf" good.gltf
+    cp "$SRC/examples/scenes/cornell_spot.gltf" good.spot.gltf
     ls-inject good.gltf --photons 500 --voxels 4x4x4 -o good.cache.exr
     "$SRC/tests/cli/make_image" good.exr 16x16 R='x/w' G='y/h' B='noise()'
     "$SRC/tests/cli/make_image" reference.exr 16x16 R='x/w' G='y/h' B='0.5'
@@ -49,18 +49,17 @@ tool_bn_permute() {
 }
 
 tool_rsm_render() {
-    local scene=$SRC/examples/scenes/cornell_spot.gltf
-    command "$scene" --size 16x16 --rsm-size 32 --samples 4 -o @OUT@
+    command good.spot.gltf --size 16x16 --rsm-size 32 --samples 4 -o @OUT@
     output exr
-    slow "$scene" --size 512x512 --rsm-size 64 --samples 4096 -o @OUT@
-    big "$scene" --size 16x16 --rsm-size 8192 --max-memory 100 -o @OUT@
+    slow good.spot.gltf --size 512x512 --rsm-size 64 --samples 4096 -o @OUT@
+    big good.spot.gltf --size 16x16 --rsm-size 8192 --max-memory 100 -o @OUT@
 }
 
 tool_ls_inject() {
-    command --photons 500 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    command --photons 500 --voxels 4x4x4 -o @OUT@ good.gltf
     output exr
-    slow --photons 1e9 --voxels 4x4x4 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
-    big --photons 10 --voxels 600x600x600 -o @OUT@ "$SRC/examples/scenes/cornell_point.gltf"
+    slow --photons 1e9 --voxels 4x4x4 -o @OUT@ good.gltf
+    big --photons 10 --voxels 600x600x600 -o @OUT@ good.gltf
 }
 
 tool_ls_merge() {
@@ -79,7 +78,6 @@ load() {
     ARGS=() SLOW=() BIG=() EXT='' INPUT=''
     command() { ARGS=("$@"); }
     output() { EXT=$1; }
-    no_output() { EXT=''; }
     slow() { SLOW=("$@"); }
     big() { BIG=("$@"); }
     local name=tool_${1//-/_}

@@ -103,7 +103,11 @@ double etendue(const V3d& voxel, int patches, const ShaftEnds& ends) {
                     sum += std::abs(way[ends.entry_face / 2] * way[ends.exit_face / 2]) /
                            (r2 * r2) * slope(at(i)) * slope(at(j)) * slope(at(k)) * slope(at(l));
                 }
-    return sum / std::pow(kSteps, 4) * area(ends.entry_face) * area(ends.exit_face);
+    // By the sum of the weights, which is not quite kSteps.
+    double weights = 0;
+    for (int i = 0; i < kSteps; ++i)
+        weights += slope(at(i));
+    return sum / std::pow(weights, 4) * area(ends.entry_face) * area(ends.exit_face);
 }
 
 } // namespace ql::reference

@@ -73,6 +73,28 @@ TEST(WhiteFurnace, NeverGainsUnderACoat) {
                     << eta << ' ' << alpha << " at " << angle;
 }
 
+// A smooth coat over what reflects all: F(o) and, of the rest, what leaves again.
+double coat_albedo(double cosine, double eta) {
+    constexpr int kSteps = 4000;
+    const double outer = reference::fresnel(cosine, eta);
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const double c = (i + 0.5) / kSteps;
+        sum += (1 - std::max(outer, reference::fresnel(c, eta))) * 2 * c / kSteps;
+    }
+    return outer + sum;
+}
+
+TEST(WhiteFurnace, LosesUnderASmoothCoatWhatTheFormulaLoses) {
+    for (const float eta : {1.1f, 1.5f, 3.0f})
+        for (const double angle : {0.0, 45.0, 75.0}) {
+            const V3f wo = direction(angle);
+            EXPECT_NEAR(furnace(coated(0, eta), wo, 20000), coat_albedo(double(wo.z), double(eta)),
+                        0.003)
+                << eta << " at " << angle;
+        }
+}
+
 TEST(WhiteFurnace, NeverGainsInRoughGlass) {
     for (const Wall wall : {Wall::thin, Wall::solid_from_outside, Wall::solid_from_inside})
         for (const float eta : {1.000001f, 1.01f, 1.5f, 3.0f})

@@ -68,12 +68,14 @@ TileMeans last_frames(SequenceConfig config, Camera move, uint64_t first_seed) {
     for (const RetargetConfig& problem : retarget_set({lattice_step(16, 16)}, 2, moves))
         textures.push_back(exact_retarget_texture(mask, problem));
     config.permute.offsets = mask_offsets(OffsetKind::lattice, 16, 16);
+    // Only temporal frames follow from those before them.
+    const int first = config.distribution == Distribution::temporal ? 0 : kLastFrame;
     TileMeans tiles;
     Progress progress;
     for (uint64_t seed = first_seed; seed < first_seed + kSequences; ++seed) {
         config.seed = seed;
         FrameSequence sequence(config, mask, textures, kSide, kSide);
-        for (int frame = 0; frame <= kLastFrame; ++frame) {
+        for (int frame = first; frame <= kLastFrame; ++frame) {
             const NextFrame next{cameras[size_t(frame) + 1], world_from_nodes(scene, 0)};
             const FrameResult result =
                 sequence.render({posed, cameras[size_t(frame)], next, frame}, workers, progress);

@@ -1,6 +1,7 @@
 . "$SRC/tests/cli/tools.sh"
 # Signals at moments drawn by lot over a whole run: the old file stays or the new one is whole, and
-# no temporary file is left, but after SIGKILL. QL_KILLS: how often each tool is hit while it runs.
+# no temporary file is left, but after SIGKILL. QL_KILLS: how often each tool is hit while it runs;
+# QL_KILLS_LOG: a file for the counts.
 [ "$OMP_NUM_THREADS" = 2 ] || exit 0 # once is enough
 make_inputs
 kills=${QL_KILLS:-5}
@@ -40,6 +41,7 @@ for tool in $(all_tools); do
         elif cmp -s result.$EXT whole.$EXT; then
             found=new
         else
+            found=neither
             echo "$tool: $what: a file that is neither the old nor the new one"
         fi
         left=$(find . -maxdepth 1 -name ".result.$EXT.*")
@@ -53,9 +55,9 @@ for tool in $(all_tools); do
         fi
         [ $((status - 128)) = "$(kill -l $signal)" ] || echo "$tool: $what: status $status: $(cat err.txt)"
         hit=$((hit + 1)) length_us=$((length_us * 17 / 16))
-        if [ $found = old ]; then old=$((old + 1)); else new=$((new + 1)); fi
+        case $found in old) old=$((old + 1)) ;; new) new=$((new + 1)) ;; esac
     done
     [ $hit = $kills ] || echo "$tool: only $hit of $i signals came while it ran"
-    [ -z "${QL_KILLS-}" ] || echo "$tool: $i signals, $hit while it ran: $old old, $new new" >>"${QL_KILLS_LOG:-/dev/null}"
+    echo "$tool: $i signals, $hit while it ran: $old old, $new new" >>"${QL_KILLS_LOG:-/dev/null}"
     rm -f result.* whole.* old.*
 done 2> >(grep -v -E 'Terminated|Killed|Hangup|Interrupt' >&2)

@@ -8,7 +8,7 @@ for tool in $(all_tools); do
     nothing "$tool" --help err.txt
 
     expect "$tool" --version 0 "$tool" --version
-    grep -qE "^$tool [0-9.]+ \(git [0-9a-f]+|unknown\)$" out.txt || echo "$tool: --version: $(cat out.txt)"
+    grep -qE "^$tool [0-9.]+ \(git ([0-9a-f]+|unknown)\)$" out.txt || echo "$tool: --version: $(cat out.txt)"
     expect "$tool" "--version -v" 0 "$tool" --version -v
     grep -q OpenEXR out.txt || echo "$tool: --version -v: no libraries"
 

@@ -40,7 +40,9 @@ for bad in flat.exr empty.exr missing.exr bad*.exr; do
     ls-sample "$scene" --cache $bad --size 4x4 -o a.exr >out.txt 2>err.txt
     status=$?
     # Bits that carry nothing (line order, window of the screen) may differ: then the image is right.
-    [ $status = 0 ] && cmp -s a.exr good.exr && rm a.exr && continue
+    case $bad in
+        bad[2-7].exr) [ $status = 0 ] && cmp -s a.exr good.exr && rm a.exr && continue ;;
+    esac
     [ $status = 3 ] || { echo "$bad: exit status $status, expected 3"; cat err.txt; }
     [ "$(wc -l <err.txt)" = 1 ] || { echo "$bad: not one line:"; cat err.txt; }
 done

@@ -16,6 +16,9 @@ render -o file.exr
 cmp pipe.exr file.exr
 
 # The sum is the sum of its layers; another seed is another image.
+oiiotool file.exr --ch direct.R,direct.G,direct.B --chnames R,G,B file.exr --ch indirect.R,indirect.G,indirect.B \
+    --chnames R,G,B --add -d float -o layers.exr
+img-diff --max-abs 1e-6 layers.exr file.exr >/dev/null
 render --gather pattern --mips on --direct map --half -o half.exr
 render --seed 1 -o seed.exr
 cmp -s seed.exr file.exr && echo "the seed changes nothing"

@@ -6,6 +6,7 @@ rsm-render "$emitter" $small -o dark.exr && echo "not refused: emitters alone"
 [ $? -eq 3 ] || echo "status"
 rsm-render "$emitter" $small --allow-dark -q --rsm-out map.exr -o dark.exr || echo "refused: --allow-dark"
 [ -e map.exr ] && echo "a map of no light"
+img-diff --json --layer indirect dark.exr dark.exr | grep '"mean_image"'
 
 # Half a sphere fits no perspective map.
 sed 's/"outerConeAngle": [0-9.]*/"outerConeAngle": 1.5707963/' "$spot" >wide.gltf
@@ -17,4 +18,5 @@ img-diff --crop 0,0,8,8 one.exr one.exr | grep non_finite
 
 # Looking away.
 rsm-render "$spot" $small --look-from 0,0,-50 --look-at 0,0,-100 -o nothing.exr || echo "refused: no hit"
+img-diff --json nothing.exr nothing.exr | grep '"mean_image"'
 ls

@@ -138,11 +138,13 @@ TEST(AtomicFile, ASignalLeavesOnlyWholeFilesAndIsTheCauseOfDeath) {
             write_for_ever(folder);
             _exit(0);
         }
-        while (folder.file_count() == 0)
+        int status = 0;
+        while (folder.file_count() == 0) {
+            ASSERT_EQ(waitpid(child, &status, WNOHANG), 0) << "the child has ended";
             usleep(100);
+        }
         usleep(useconds_t(700 * round));
         kill(child, signal_number);
-        int status = 0;
         ASSERT_EQ(waitpid(child, &status, 0), child);
         EXPECT_TRUE(WIFSIGNALED(status));
         EXPECT_EQ(WTERMSIG(status), signal_number);

@@ -72,6 +72,13 @@ LightCache cache_of(const std::vector<std::vector<Deposit>>& rounds, size_t chun
     return cache;
 }
 
+bool equal(const LightCache& a, const LightCache& b) {
+    return a.header == b.header && a.first == b.first && a.shafts == b.shafts &&
+           a.counts == b.counts && a.sums == b.sums && a.measures == b.measures &&
+           a.group_first == b.group_first && a.groups == b.groups &&
+           a.group_measures == b.group_measures;
+}
+
 void expect_equal(const LightCache& a, const LightCache& b) {
     EXPECT_EQ(a.header, b.header);
     EXPECT_EQ(a.first, b.first);
@@ -204,7 +211,7 @@ TEST_F(CacheFile, RefusesGroupsThatAreNotThoseOfTheShafts) {
     EXPECT_THROW(read_cache(path), Error);
 }
 
-TEST_F(CacheFile, RefusesEveryFlippedByteAndEveryShorterFile) {
+TEST_F(CacheFile, RefusesFlippedBitsAndShorterFiles) {
     const LightCache cache = cache_of({random_deposits(300, 2)}, 500, Workers(1));
     write_cache(path, cache);
     std::ifstream in(path, std::ios::binary);
@@ -214,8 +221,7 @@ TEST_F(CacheFile, RefusesEveryFlippedByteAndEveryShorterFile) {
         try {
             const LightCache read = read_cache(path);
             // Bits that carry nothing (name of the writer, line order) may change.
-            return read.sums == cache.sums && read.shafts == cache.shafts &&
-                   read.header == cache.header;
+            return equal(read, cache);
         } catch (const Error& e) {
             return e.kind() == ErrorKind::input &&
                    std::string(e.what()).find('\n') == std::string::npos;

@@ -128,7 +128,7 @@ TEST(Etendue, OfSingleShaftsAgreesWithNumericalIntegration) {
             // The rule of points converges too slowly where patches touch; the sums cover those.
             if (reference::patches_touch(3, shaft_ends(shaft, 3))) continue;
             const double expected = reference::etendue(voxel, 3, shaft_ends(shaft, 3));
-            EXPECT_NEAR(table(shaft) / expected, 1, 0.02) << shaft;
+            EXPECT_NEAR(table(shaft) / expected, 1, 2e-3) << shaft;
         }
     }
 }

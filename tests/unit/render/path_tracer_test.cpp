@@ -283,15 +283,6 @@ TEST(PathTracer, MotionFollowsAMovingBlock) {
                       later_ids(int(x + 0.5 + double(mx(x, y))), int(y + 0.5 + double(my(x, y)))));
 }
 
-TEST(PathTracer, AFrameDoesNotKnowTheFramesBeforeIt) {
-    MovingScene scene;
-    scene.builder.scene.animation = {moving(scene.block, {0, 0, 1}, {0.4, 0.8, 1})};
-    scene.frame(0, 0.25);
-    const Image in_sequence = scene.frame(0.25, 0.5);
-    const MovingScene fresh = scene;
-    expect_same_bytes(in_sequence, fresh.frame(0.25, 0.5));
-}
-
 TEST(PathTracer, SamplesThatAreNotFiniteAreDroppedAndCounted) {
     SceneBuilder b;
     b.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0},

@@ -214,7 +214,7 @@ TEST(GltfErrors, OnlyTheFirstBufferOfAGlbMayLackASource) {
     EXPECT_EQ(error_of_text(changed, "test.glb"), "buffer 1 has no data");
 }
 
-TEST(GltfErrors, FilesOutsideTheFolderOfTheSceneAreNotTaken) {
+TEST(GltfErrors, FilesThatAreNotThereAreNamed) {
     GltfBuilder b;
     b.doc["buffers"] = {{{"byteLength", 42}, {"uri", "nowhere.bin"}}};
     EXPECT_NE(error_of(b).find("nowhere.bin"), std::string::npos);
