@@ -8,6 +8,7 @@
 #include "linespace/cache_file.h"
 #include "linespace/sample.h"
 #include "render/path_tracer.h"
+#include "sampling/seeds.h"
 #include "scene/scene_hash.h"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include "bluenoise/retarget.h"
 #include "bluenoise/sort.h"
 #include "sampling/random.h"
+#include "sampling/seeds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,11 +79,7 @@ Permuter::Permuter(const Mask& mask, std::vector<RetargetTexture> textures,
 }
 
 Array2D<uint32_t> Permuter::fresh_seeds(int64_t frame) const {
-    Array2D<uint32_t> seeds(m_padded_width, m_padded_height);
-    for (int y = 0; y < m_padded_height; ++y)
-        for (int x = 0; x < m_padded_width; ++x)
-            seeds(x, y) = hash32(m_config.seed, uint32_t(x), uint32_t(y), uint32_t(frame));
-    return seeds;
+    return ql::fresh_seeds(m_config.seed, frame, m_padded_width, m_padded_height);
 }
 
 Array2D<uint32_t> Permuter::padded_seeds(const Array2D<uint32_t>& seeds, int64_t frame) const {

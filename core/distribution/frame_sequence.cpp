@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "bluenoise/sort.h"
+#include "sampling/seeds.h"
 
 #include <algorithm>
 #include <numeric>

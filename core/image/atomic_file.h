@@ -1,9 +1,9 @@
 // Whole-file reading and writing. A file appears under its final name whole or not at all.
 //
 // The bytes are first written to a temporary file beside the target (where a link leads to: beside
-// that) and then renamed. If the
-// process is about to die by a signal, remove_temporary_files() takes away what is half written;
-// it is async-signal-safe. Threads may write different files at the same time.
+// that) and then renamed. If the process is about to die by a signal, remove_temporary_files()
+// takes away what is half written; it is async-signal-safe. Threads may write different files at
+// the same time.
 #pragma once
 
 #include <cstddef>

@@ -2,7 +2,6 @@
 
 #include "base/check.h"
 #include "render/frame_tiles.h"
-#include "sampling/random.h"
 
 namespace ql {
 
@@ -116,14 +115,6 @@ FrameResult render_frame(const PosedScene& scene, const PixelCamera& camera,
     }
     result.image = std::move(film.image);
     return result;
-}
-
-Array2D<uint32_t> fresh_seeds(uint64_t seed, int frame, int width, int height) {
-    Array2D<uint32_t> seeds(width, height);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            seeds(x, y) = hash32(seed, uint32_t(x), uint32_t(y), uint32_t(frame));
-    return seeds;
 }
 
 Metadata camera_metadata(const PixelCamera& camera) {

@@ -46,9 +46,6 @@ FrameResult render_frame(const PosedScene& scene, const PixelCamera& camera,
                          const Array2D<uint32_t>& seeds, const RenderConfig& config,
                          const NextFrame* next, const Workers& workers, Progress& progress);
 
-// The seed texture of a frame that starts afresh: a hash of (seed, pixel, frame).
-Array2D<uint32_t> fresh_seeds(uint64_t seed, int frame, int width, int height);
-
 // Standard EXR attributes of a frame's camera.
 Metadata camera_metadata(const PixelCamera& camera);
 

@@ -1,9 +1,9 @@
 // Reflective shadow maps as images, in the units of the scene.
 //
 // Channels: Z (metres along the ray from the light; for directional lights from a plane in front of
-// the scene), P.X P.Y P.Z (metres), N.X N.Y N.Z (towards the light; of
-// length 1, but for means in mips), flux.R flux.G flux.B
-// (watts; without the solid angle W/sr). All are 0 where the light meets nothing.
+// the scene), P.X P.Y P.Z (metres), N.X N.Y N.Z (towards the light; of length 1, but for means in
+// mips), flux.R flux.G flux.B (watts; without the solid angle W/sr). All are 0 where the light
+// meets nothing.
 #pragma once
 
 #include "image/image.h"

@@ -85,13 +85,13 @@ LightSet::LightSet(const World& world) : m_world(&world), m_exponent(brightness_
     m_stored_from_real = float(std::ldexp(1.0, -m_exponent));
     add_punctual(world);
     add_emitters(world);
-    note_lit_texels(world);
     std::vector<double> powers;
     powers.reserve(m_punctual.size() + emitter_count());
     for (const Punctual& light : m_punctual)
         powers.push_back(punctual_power(light));
+    std::map<int, LitTexels> lit_texels;
     for (size_t i = 0; i < emitter_count(); ++i)
-        powers.push_back(emitter_power(i));
+        powers.push_back(emitter_power(i, lit_texels));
     m_pick = AliasTable(powers);
     m_pick_emitter = AliasTable(std::span(powers).subspan(m_punctual.size()));
     for (size_t i = 0; i < m_punctual.size(); ++i)
@@ -141,17 +141,6 @@ void LightSet::add_emitters(const World& world) {
     }
 }
 
-void LightSet::note_lit_texels(const World& world) {
-    for (const Triangle& triangle : m_triangles) {
-        const Material& material =
-            world.scene->materials[size_t(world.surfaces[triangle.surface].material)];
-        const TextureUse& use = material.model == MaterialModel::unlit ? material.base_color_texture
-                                                                       : material.emission_texture;
-        if (use.used())
-            m_lit_texels.try_emplace(use.texture, world.scene->textures[size_t(use.texture)]);
-    }
-}
-
 void LightSet::add_triangles(const World& world, uint32_t surface_index) {
     const Surface& surface = world.surfaces[surface_index];
     const Material& material = world.scene->materials[size_t(surface.material)];
@@ -198,7 +187,7 @@ bool LightSet::is_double_sided(const ShapeLight& shape) const {
 }
 
 // Mean over a grid of points, where the radiance differs from place to place.
-double LightSet::emitter_power(size_t emitter) const {
+double LightSet::emitter_power(size_t emitter, std::map<int, LitTexels>& lit_texels) const {
     const bool is_triangle = emitter < m_triangles.size();
     const ShapeLight* const shape = is_triangle ? nullptr : &m_shapes[emitter - m_triangles.size()];
     double radiance = 0;
@@ -215,33 +204,42 @@ double LightSet::emitter_power(size_t emitter) const {
     radiance /= kPowerSamples * kPowerSamples;
     // Light between those points must have a chance, too.
     const bool textured = is_triangle ? m_triangles[emitter].textured : true;
-    if (textured) radiance = std::max(radiance, kLeastShare * brightest_radiance(emitter));
+    const double least = textured ? kLeastShare * brightest_radiance(emitter) : 0;
+    if (radiance < least && may_shine(emitter, lit_texels)) radiance = least;
     const double area = is_triangle ? double(m_triangles[emitter].area) : shape->area();
-    const bool both = is_triangle ? m_triangles[emitter].double_sided : is_double_sided(*shape);
-    return radiance * kPiD * area * (both ? 2 : 1);
+    return radiance * kPiD * area * (material_of(emitter).double_sided ? 2 : 1);
 }
 
-// What a textured emitter may have somewhere, mean over R, G, B; 0 where its texture is black.
+// What a textured emitter has at most, where its texture is white; mean over R, G, B.
 double LightSet::brightest_radiance(size_t emitter) const {
-    const Scene& scene = *m_world->scene;
-    const bool is_triangle = emitter < m_triangles.size();
-    const uint32_t s = is_triangle ? m_triangles[emitter].surface
-                                   : m_shapes[emitter - m_triangles.size()].surface();
-    const Material& material = scene.materials[size_t(m_world->surfaces[s].material)];
+    const Material& material = material_of(emitter);
     const bool unlit = material.model == MaterialModel::unlit;
-    const TextureUse& use = unlit ? material.base_color_texture : material.emission_texture;
-    const V3f factor =
-        unlit ? V3f(material.base_color.x, material.base_color.y, material.base_color.z)
-              : material.emission;
-    if (use.used() && is_triangle) {
-        const Mesh& mesh = scene.meshes[size_t(m_world->surfaces[s].mesh)];
-        const std::vector<V2f>& uvs = mesh.uvs[size_t(use.uv_set)];
-        const auto& corners = mesh.triangles[m_triangles[emitter].primitive];
-        if (!uvs.empty() && !m_lit_texels.at(use.texture)
-                                 .any_in(use, {uvs[corners[0]], uvs[corners[1]], uvs[corners[2]]}))
-            return 0;
-    }
-    return mean(factor) * double(m_stored_from_real);
+    return mean(unlit ? material.base_color : material.emission) * double(m_stored_from_real);
+}
+
+// Whether the texture of an emitter has light anywhere on it; on the safe side. Textures that were
+// looked through are kept in `lit_texels`.
+bool LightSet::may_shine(size_t emitter, std::map<int, LitTexels>& lit_texels) const {
+    const Material& material = material_of(emitter);
+    const TextureUse& use = material.model == MaterialModel::unlit ? material.base_color_texture
+                                                                   : material.emission_texture;
+    if (!use.used() || emitter >= m_triangles.size()) return true;
+    const Scene& scene = *m_world->scene;
+    const Triangle& triangle = m_triangles[emitter];
+    const Mesh& mesh = scene.meshes[size_t(m_world->surfaces[triangle.surface].mesh)];
+    const std::vector<V2f>& uvs = mesh.uvs[size_t(use.uv_set)];
+    if (uvs.empty()) return true;
+    const auto& corners = mesh.triangles[triangle.primitive];
+    const auto texels =
+        lit_texels.try_emplace(use.texture, scene.textures[size_t(use.texture)]).first;
+    return texels->second.any_in(use, {uvs[corners[0]], uvs[corners[1]], uvs[corners[2]]});
+}
+
+const Material& LightSet::material_of(size_t emitter) const {
+    const uint32_t surface = emitter < m_triangles.size()
+                                 ? m_triangles[emitter].surface
+                                 : m_shapes[emitter - m_triangles.size()].surface();
+    return m_world->scene->materials[size_t(m_world->surfaces[surface].material)];
 }
 
 V3f LightSet::shape_radiance(const ShapeLight& shape, const V2f& uv) const {

@@ -92,11 +92,12 @@ class LightSet {
     void add_punctual(const World& world);
     void add_emitters(const World& world);
     void add_triangles(const World& world, uint32_t surface);
-    bool is_double_sided(const ShapeLight& shape) const;
     double punctual_power(const Punctual& light) const;
-    void note_lit_texels(const World& world);
-    double emitter_power(size_t emitter) const;
+    bool is_double_sided(const ShapeLight& shape) const;
+    const Material& material_of(size_t emitter) const;
+    double emitter_power(size_t emitter, std::map<int, LitTexels>& lit_texels) const;
     double brightest_radiance(size_t emitter) const;
+    bool may_shine(size_t emitter, std::map<int, LitTexels>& lit_texels) const;
     V3f triangle_radiance(const Triangle& triangle, float b1, float b2) const;
     V3f shape_radiance(const ShapeLight& shape, const V2f& uv) const;
     std::optional<LightSample> sample_one(const V3f& from, double u_pick, V2f u) const;
@@ -111,11 +112,10 @@ class LightSet {
     // Emitters are numbered: triangles first, then shapes.
     std::vector<Triangle> m_triangles;
     std::vector<ShapeLight> m_shapes;
-    std::map<int, LitTexels> m_lit_texels; // of the textures of emitters
-    std::vector<int> m_first_emitter;      // by surface; -1: the surface does not emit
-    AliasTable m_pick;                     // punctual lights first, then emitters
-    AliasTable m_pick_emitter;             // of emitters alone
-    float m_punctual_probability = 0;      // of all of them
+    std::vector<int> m_first_emitter; // by surface; -1: the surface does not emit
+    AliasTable m_pick;                // punctual lights first, then emitters
+    AliasTable m_pick_emitter;        // of emitters alone
+    float m_punctual_probability = 0; // of all of them
     int m_exponent = 0;
     float m_stored_from_real = 1;
 };

@@ -8,6 +8,7 @@
 #include "linespace/inject.h"
 #include "linespace/sample.h"
 #include "reference/scene_builder.h"
+#include "sampling/seeds.h"
 
 #include <fmt/format.h>
 

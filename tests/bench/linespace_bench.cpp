@@ -2,6 +2,7 @@
 #include "linespace/inject.h"
 #include "linespace/sample.h"
 #include "render/path_tracer.h"
+#include "sampling/seeds.h"
 
 #include <benchmark/benchmark.h>
 

@@ -4,6 +4,7 @@
 // asks bare Embree the same again. Medians of five; the ratio is what counts.
 #include "reference/scene_builder.h"
 #include "render/frame_tiles.h"
+#include "sampling/seeds.h"
 #include "scene/gltf_load.h"
 
 #include <fmt/format.h>
@@ -89,8 +90,6 @@ void measure(const std::string& name, const Scene& scene, const ChosenCamera& ch
     Recorder recorder;
     if (choice.lobes == kLobeDiffuse)
         record<kLobeDiffuse>(context, camera, seeds, recorder);
-    else if (choice.lobes == (kLobeDiffuse | kLobeMicrofacet))
-        record<kLobeDiffuse | kLobeMicrofacet>(context, camera, seeds, recorder);
     else
         record<kAllLobes>(context, camera, seeds, recorder);
     const double bare_seconds = median_seconds([&] { trace_bare(posed.rays(), recorder.rays); });

@@ -10,6 +10,7 @@
 #include "linespace/sample.h"
 #include "reference/scene_builder.h"
 #include "render/path_tracer.h"
+#include "sampling/seeds.h"
 
 #include <array>
 #include <bit>

@@ -5,6 +5,7 @@
 #include "linespace/sample.h"
 #include "render/path_tracer.h"
 #include "rsm/render.h"
+#include "sampling/seeds.h"
 #include "scene/features.h"
 #include "scene/gltf_load.h"
 #include "scene/scene_hash.h"

@@ -1,4 +1,5 @@
 #include "reference/scene_builder.h"
+#include "sampling/seeds.h"
 
 #include <cmath>
 #include <numbers>

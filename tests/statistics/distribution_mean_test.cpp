@@ -4,6 +4,7 @@
 #include "distribution/frame_sequence.h"
 #include "metrics/statistics.h"
 #include "reference/scene_builder.h"
+#include "sampling/seeds.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include "reference/scene_builder.h"
 #include "render/film.h"
 #include "rsm/render.h"
+#include "sampling/seeds.h"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 #include "linespace/sample.h"
 #include "reference/linespace_scenes.h"
 #include "render/path_tracer.h"
+#include "sampling/seeds.h"
 
 #include <gtest/gtest.h>
 

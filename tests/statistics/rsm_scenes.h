@@ -3,6 +3,7 @@
 
 #include "render/path_tracer.h"
 #include "rsm/render.h"
+#include "sampling/seeds.h"
 #include "scene/gltf_load.h"
 
 #include <memory>

@@ -2,6 +2,7 @@
 
 #include "metrics/statistics.h"
 #include "reference/scene_builder.h"
+#include "sampling/seeds.h"
 
 #include <gtest/gtest.h>
 
