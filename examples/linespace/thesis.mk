@@ -276,7 +276,7 @@ NAME_glass = cornell glass
 NAME_nave = sponza 1
 NAME_lion = sponza 2
 NAME_arcade = sponza 3
-$(MATERIALS:%=$(OUT)/speed-%.csv): $(OUT)/speed-%.csv: speed number $(OUT)/large-%.gltf \
+$(MATERIALS:%=$(OUT)/speed-%.csv): $(OUT)/speed-%.csv: speed ../number $(OUT)/large-%.gltf \
     $(OUT)/energy-%.cache.exr $(OUT)/listing-%.cache.exr
 	./speed "$(NAME_$*)" "$(PATHS) $(SCENES)/cornell_$*.gltf $(SPEED_CORNELL)" \
 		"$(SAMPLE) $(SCENES)/cornell_$*.gltf --cache $(OUT)/energy-$*.cache.exr $(SPEED_CORNELL)" \
@@ -284,7 +284,7 @@ $(MATERIALS:%=$(OUT)/speed-%.csv): $(OUT)/speed-%.csv: speed number $(OUT)/large
 		"$(SAMPLE) $(OUT)/large-$*.gltf --cache $(OUT)/listing-$*.cache.exr $(SPEED_CORNELL) $(FALLBACK)" \
 		"$(INJECT) $(OUT)/large-$*.gltf --voxels $(CORNELL_VOXELS) $(SPEED_INJECT)" >$@
 $(VIEWS:%=$(OUT)/speed-%.csv): BLUR = $(BLUR_SPONZA)
-$(VIEWS:%=$(OUT)/speed-%.csv): $(OUT)/speed-%.csv: speed number $(OUT)/energy-sponza.cache.exr \
+$(VIEWS:%=$(OUT)/speed-%.csv): $(OUT)/speed-%.csv: speed ../number $(OUT)/energy-sponza.cache.exr \
     $(OUT)/listing-sponza.cache.exr
 	./speed "$(NAME_$*)" "$(PATHS) $(SPONZA_PARTS) --camera $* $(SPEED_SPONZA)" \
 		"$(SAMPLE) $(SPONZA_PARTS) --camera $* --cache $(OUT)/energy-sponza.cache.exr $(SPEED_SPONZA)" \
@@ -297,7 +297,7 @@ $(OUT)/speeds.csv: $(TIMED:%=$(OUT)/speed-%.csv)
 $(OUT)/table_2.csv: compare thesis_table_2.csv $(OUT)/speeds.csv
 	./compare $(OUT)/speeds.csv >$@
 SIZED = $(foreach s,$(MATERIALS) $(if $(HAVE_SPONZA),sponza),energy-$(s) listing-$(s))
-$(OUT)/sizes.csv: size number $(SIZED:%=$(OUT)/%.cache.exr) $(SIZED:%=$(OUT)/%.json)
+$(OUT)/sizes.csv: size ../number $(SIZED:%=$(OUT)/%.cache.exr) $(SIZED:%=$(OUT)/%.json)
 	(./size header estimator,scene $(foreach s,$(SIZED),\
 		&& ./size $(subst -,$(comma),$(s)) $(OUT)/$(s).cache.exr $(OUT)/$(s).json 4)) >$@
 
@@ -320,7 +320,7 @@ LABEL_3 = 5.5,3
 LABEL_point = 0.55,1
 ESTIMATORS = energy count-text count-listing
 define estimator_rules
-$(OUT)/estimator-$(1)-%.csv: cached figures number $(OUT)/reference-$(1).exr
+$(OUT)/estimator-$(1)-%.csv: cached figures ../number $(OUT)/reference-$(1).exr
 	(true $(foreach e,$(ESTIMATORS),&& ./cached "$(LABEL_$(1)),$(e),$$*" $(OUT)/reference-$(1).exr $(SCENE_$(1)) \
 		"--voxels $$*x$$*x$$* --photons $(ESTIMATOR_PHOTONS) --estimator $(e)" "$(VIEW)")) >$$@
 endef
@@ -333,7 +333,7 @@ $(OUT)/reference-other.exr: $(SCENE_point) | $(OUT)
 	$(RUN) bn-render $(COMMON) --max-depth $(DEPTH) --seed 4712 $< --size $(SQUARE) --spp $(REFERENCE_SPP) \
 		--aov direct,indirect -o $@
 $(OUT)/bias-%.csv: export SMOOTHINGS = 0 1000
-$(OUT)/bias-%.csv: bias number $(OUT)/reference-point.exr $(OUT)/reference-other.exr
+$(OUT)/bias-%.csv: bias ../number $(OUT)/reference-point.exr $(OUT)/reference-other.exr
 	(true $(foreach n,$(BIAS_PATCHES),&& ./bias "$*,$(n)" $(OUT)/reference-point.exr $(OUT)/reference-other.exr \
 		$(SCENE_point) "--voxels $*x$*x$* --patches $(n) --photons $(BIAS_PHOTONS)" "$(VIEW)")) >$@
 $(OUT)/bias.csv: $(BIAS_VOXELS:%=$(OUT)/bias-%.csv)
